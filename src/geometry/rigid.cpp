@@ -1,0 +1,138 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "geometry/rigid.hpp"
+
+#include <cmath>
+
+namespace scanlock {
+namespace {
+
+// The coefficients below lose digits by cancellation where the angle is small; there the Taylor series takes over.
+// At kSeriesAngle the first dropped term is below 1e-16 of the sum.
+constexpr double kSeriesAngle = 0.5;
+
+/// sin(t)/t
+double sinc(double t) { return std::abs(t) < 1e-8 ? 1.0 : std::sin(t) / t; }
+
+/// (1 - cos t) / t^2, without cancellation at any angle
+double one_minus_cos_over_square(double t) {
+  const double s = sinc(0.5 * t);
+  return 0.5 * s * s;
+}
+
+/// sum_k (-1)^k t^(2k) / (2k + first)!, the tail of a sine or cosine series divided by its first power
+double factorial_series(double t, int first) {
+  double factorial = 1.0;
+  for (int i = 2; i <= first; ++i) factorial *= i;
+  double term = 1.0 / factorial;
+  double sum = term;
+  for (int k = 1; k <= 9; ++k) {
+    term *= -t * t / ((first + 2 * k - 1) * (first + 2 * k));
+    sum += term;
+  }
+  return sum;
+}
+
+/// (t - sin t) / t^3
+double t_minus_sin_over_cube(double t) {
+  return t < kSeriesAngle ? factorial_series(t, 3) : (t - std::sin(t)) / (t * t * t);
+}
+
+/// (cos t - 1 + t^2/2) / t^4
+double cos_tail_over_fourth(double t) {
+  return t < kSeriesAngle ? factorial_series(t, 4) : (std::cos(t) - 1.0 + 0.5 * t * t) / (t * t * t * t);
+}
+
+/// (sin t - t + t^3/6) / t^5
+double sin_tail_over_fifth(double t) {
+  return t < kSeriesAngle ? factorial_series(t, 5)
+                          : (std::sin(t) - t + t * t * t / 6.0) / (t * t * t * t * t);
+}
+
+/// (1 - (t/2) cot(t/2)) / t^2
+double inverse_jacobian_coefficient(double t) {
+  if (t < 1e-2) return 1.0 / 12.0 + t * t / 720.0 + t * t * t * t / 30240.0;
+  const double half = 0.5 * t;
+  return (1.0 - half * std::cos(half) / std::sin(half)) / (t * t);
+}
+
+}  // namespace
+
+Eigen::Matrix3d hat(const Eigen::Vector3d& a) {
+  Eigen::Matrix3d m;
+  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return m;
+}
+
+Eigen::Matrix3d so3_exp(const Eigen::Vector3d& phi) {
+  const double angle = phi.norm();
+  const Eigen::Matrix3d h = hat(phi);
+  return Eigen::Matrix3d::Identity() + sinc(angle) * h + one_minus_cos_over_square(angle) * h * h;
+}
+
+Eigen::Vector3d so3_log(const Eigen::Matrix3d& rotation) {
+  // Through the quaternion: its largest component is never small, so no angle between 0 and pi loses digits.
+  Eigen::Quaterniond q(rotation);
+  q.normalize();
+  if (q.w() < 0) q.coeffs() = -q.coeffs();
+  const double sine = q.vec().norm();
+  if (sine < 1e-150) return 2.0 * q.vec();
+  return (2.0 * std::atan2(sine, q.w()) / sine) * q.vec();
+}
+
+Pose se3_exp(const Vector6& xi) {
+  const Eigen::Vector3d phi = xi.tail<3>();
+  Pose pose = Pose::Identity();
+  pose.linear() = so3_exp(phi);
+  pose.translation() = so3_left_jacobian(phi) * xi.head<3>();
+  return pose;
+}
+
+Vector6 se3_log(const Pose& pose) {
+  const Eigen::Vector3d phi = so3_log(pose.linear());
+  const Eigen::Vector3d t = pose.translation();
+  const Eigen::Vector3d phi_t = phi.cross(t);
+  Vector6 xi;
+  xi.head<3>() = t - 0.5 * phi_t + inverse_jacobian_coefficient(phi.norm()) * phi.cross(phi_t);
+  xi.tail<3>() = phi;
+  return xi;
+}
+
+Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& phi) {
+  const double angle = phi.norm();
+  const Eigen::Matrix3d h = hat(phi);
+  return Eigen::Matrix3d::Identity() + one_minus_cos_over_square(angle) * h +
+         t_minus_sin_over_cube(angle) * h * h;
+}
+
+Matrix6 se3_left_jacobian(const Vector6& xi) {
+  // Barfoot, State Estimation for Robotics, equation 7.86.
+  const Eigen::Matrix3d u = hat(xi.head<3>());
+  const Eigen::Matrix3d p = hat(xi.tail<3>());
+  const double t = xi.tail<3>().norm();
+  const double a = t_minus_sin_over_cube(t);
+  const double b = cos_tail_over_fourth(t);
+  const double c = 0.5 * (b - 3.0 * sin_tail_over_fifth(t));
+  const Eigen::Matrix3d pup = p * u * p;
+  const Eigen::Matrix3d q =
+      0.5 * u + a * (p * u + u * p + pup) + b * (p * p * u + u * p * p - 3.0 * pup) + c * (pup * p + p * pup);
+  Matrix6 jacobian = Matrix6::Zero();
+  jacobian.topLeftCorner<3, 3>() = jacobian.bottomRightCorner<3, 3>() = so3_left_jacobian(xi.tail<3>());
+  jacobian.topRightCorner<3, 3>() = q;
+  return jacobian;
+}
+
+Matrix6 adjoint(const Pose& pose) {
+  Matrix6 ad = Matrix6::Zero();
+  ad.topLeftCorner<3, 3>() = ad.bottomRightCorner<3, 3>() = pose.linear();
+  ad.topRightCorner<3, 3>() = hat(pose.translation()) * pose.linear();
+  return ad;
+}
+
+Pose renormalised(const Pose& pose) {
+  Pose result = pose;
+  result.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();
+  return result;
+}
+
+}  // namespace scanlock

@@ -1,0 +1,41 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace scanlock {
+
+/// A rigid transform; `Pose a_from_b` maps coordinates in b to coordinates in a.
+using Pose = Eigen::Isometry3d;
+
+/// An element of se(3) as a vector: [u; phi], translation part first (metres), then rotation (radians).
+/// A body velocity has the same layout (m/s, rad/s). Six-by-six matrices use the same order.
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// The matrix a^ with a^ b = a x b.
+Eigen::Matrix3d hat(const Eigen::Vector3d& a);
+
+/// Exponential and logarithm of SO(3). exp is exact for every argument; log returns the rotation vector
+/// of length in [0, pi], accurate to rounding from 0 to pi (Zhang et al. appendix A is its judge in the tests;
+/// the authors' code returns 0 below 0.081 degrees, which is the usual motion between two scans).
+Eigen::Matrix3d so3_exp(const Eigen::Vector3d& phi);
+Eigen::Vector3d so3_log(const Eigen::Matrix3d& rotation);
+
+/// Exponential and logarithm of SE(3) (equations 10 and 11), closed form.
+Pose se3_exp(const Vector6& xi);
+Vector6 se3_log(const Pose& pose);
+
+/// Left Jacobian of SO(3) and of SE(3): exp(xi + d) = exp(J_l(xi) d) exp(xi) to first order in d.
+Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& phi);
+Matrix6 se3_left_jacobian(const Vector6& xi);
+
+/// Adjoint: T exp(xi) T^-1 = exp(Ad(T) xi).
+Matrix6 adjoint(const Pose& pose);
+
+/// The nearest rotation, for a product of many; a no-op to rounding for a good one.
+Pose renormalised(const Pose& pose);
+
+}  // namespace scanlock

@@ -1,0 +1,70 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/tracker.hpp"
+
+namespace scanlock {
+
+struct Tracker::State {
+  TrackerConfig config;
+  std::function<void(Stage)> observer;
+};
+
+Tracker::Tracker(const TrackerConfig& config) : state_(std::make_unique<State>()) { state_->config = config; }
+Tracker::~Tracker() = default;
+Tracker::Tracker(Tracker&&) noexcept = default;
+Tracker& Tracker::operator=(Tracker&&) noexcept = default;
+
+TrackedScan Tracker::track(const Scan& scan) {
+  TrackedScan tracked;
+  tracked.utime = scan.utime;
+  return tracked;
+}
+
+void Tracker::set_stage_observer(std::function<void(Stage)> observer) { state_->observer = std::move(observer); }
+void Tracker::reset() {}
+PointCloud Tracker::map() const { return {}; }
+
+const char* to_string(TrackingState state) {
+  switch (state) {
+    case TrackingState::kInitialising: return "INITIALISING";
+    case TrackingState::kTracking: return "TRACKING";
+    case TrackingState::kDegraded: return "DEGRADED";
+    case TrackingState::kRecovering: return "RECOVERING";
+    case TrackingState::kAmbiguous: return "AMBIGUOUS";
+    case TrackingState::kLost: return "LOST";
+  }
+  return "?";
+}
+
+const char* to_string(PoseMethod method) {
+  switch (method) {
+    case PoseMethod::kNone: return "none";
+    case PoseMethod::kIcp: return "icp";
+    case PoseMethod::kGlobal: return "global";
+    case PoseMethod::kPredicted: return "predicted";
+  }
+  return "?";
+}
+
+const char* to_string(StopReason reason) {
+  switch (reason) {
+    case StopReason::kNone: return "none";
+    case StopReason::kConverged: return "converged";
+    case StopReason::kIterations: return "iteration limit";
+    case StopReason::kTooFewPoints: return "too few points";
+    case StopReason::kDiverged: return "diverged";
+  }
+  return "?";
+}
+
+const char* to_string(ScanVerdict verdict) {
+  switch (verdict) {
+    case ScanVerdict::kTracked: return "tracked";
+    case ScanVerdict::kEmpty: return "empty";
+    case ScanVerdict::kDuplicateTime: return "duplicate utime";
+    case ScanVerdict::kBackwardTime: return "backward utime";
+  }
+  return "?";
+}
+
+}  // namespace scanlock
