@@ -39,7 +39,7 @@ TEST_CASE("the printed default parses back to itself") {
 
 TEST_CASE("a changed configuration prints and parses back to itself") {
   Config config;
-  config.daemon.scan_channels = {"A", "scan \"quoted\" \\ \t"};
+  config.daemon.scan_channels = {"A", "scan \"quoted\" \\ #x"};
   config.daemon.url = "udpm://239.255.76.67:7668?ttl=0";
   config.daemon.mount.x_m = 0.1;
   config.daemon.mount.yaw_deg = -1e-7;
