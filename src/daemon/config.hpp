@@ -26,6 +26,7 @@ struct DaemonConfig {
   int receive_buffer_bytes = 8388608;
   int max_message_bytes = 64 << 20;
   int max_points = 2000000;
+  bool mbot_clockwise = false;
   double silence_warning_s = 5;
 
   std::string out_url;  ///< empty: as `url`, or the default when `url` is a log

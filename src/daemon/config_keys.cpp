@@ -43,6 +43,7 @@ std::vector<ConfigKey> make_table() {
     make_key("input", "receive_buffer_bytes", &D::receive_buffer_bytes, "bytes", 65536, 1 << 30, "asked of the kernel for the receiving socket; it grants net.core.rmem_max at most; a recv_buf_size in the URL wins"),
     make_key("input", "max_message_bytes", &D::max_message_bytes, "bytes", 1024, 1 << 28, "larger messages are rejected unread"),
     make_key("input", "max_points", &D::max_points, "points", 1, 20000000, "scans of more points are rejected"),
+    make_key("input", "mbot_clockwise", &D::mbot_clockwise, "", 0, 1, "sense of the angles in mbot's lidar_t: false when they grow counter-clockwise seen from above"),
     make_key("input", "silence_warning_s", &D::silence_warning_s, "s", 0.5, 86400, "no usable scan for so long: a warning, repeated at growing intervals"),
 
     make_key("output", "url", &D::out_url, "", 0, 1000, "LCM URL of everything published; empty: that of the input, unless that is a log"),

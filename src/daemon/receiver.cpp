@@ -135,6 +135,7 @@ void Receiver::accept(const lcm::ReceiveBuffer& buffer, const std::string& chann
   statistics_.count_received(buffer.data_size);
   DecodeLimits limits;
   limits.max_message_bytes = static_cast<std::size_t>(config_.max_message_bytes);
+  limits.mbot_clockwise = config_.mbot_clockwise;
   limits.max_points = static_cast<std::size_t>(config_.max_points);
   DecodedScan decoded = decode_scan(static_cast<const std::uint8_t*>(buffer.data), buffer.data_size, limits);
   statistics_.count(&Counters::nonfinite_points, static_cast<std::int64_t>(decoded.nonfinite_points));
@@ -144,6 +145,7 @@ void Receiver::accept(const lcm::ReceiveBuffer& buffer, const std::string& chann
     return reject(DecodeFault::kNone, channel + ": a scan without a single usable point");
   }
   received.scan = std::move(decoded.scan);
+  received.seq = decoded.seq;
   if (received.scan.utime <= 0) {
     received.scan.utime = received.recv_utime;
     statistics_.count(&Counters::without_time);

@@ -19,6 +19,7 @@ namespace scanlock {
 /// A scan on its way from the socket to the worker.
 struct ReceivedScan {
   Scan scan;
+  std::int32_t seq = 0;                           ///< the sender's own count
   std::int64_t recv_utime = 0;                    ///< microseconds, wall clock
   std::chrono::steady_clock::time_point arrival;  ///< when its handler was entered
   double decode_ms = 0;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
@@ -40,11 +41,20 @@ class Slot {
   std::optional<T> take() {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait(lock, [this] { return closed_ || finished_ || value_; });
-    if (closed_) return std::nullopt;
-    std::optional<T> taken = std::move(value_);
-    value_.reset();
-    changed_.notify_all();
-    return taken;
+    return take_locked();
+  }
+
+  /// As `take`, but gives up at `deadline`: ask `ended` to tell the reasons apart.
+  std::optional<T> take_until(std::chrono::steady_clock::time_point deadline) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait_until(lock, deadline, [this] { return closed_ || finished_ || value_; });
+    return take_locked();
+  }
+
+  /// Nothing is there and nothing will come.
+  bool ended() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return closed_ || (finished_ && !value_);
   }
 
   /// No more will come: what is there can still be taken.
@@ -63,7 +73,14 @@ class Slot {
   }
 
  private:
-  std::mutex mutex_;
+  std::optional<T> take_locked() {
+    std::optional<T> taken = std::move(value_);
+    value_.reset();
+    changed_.notify_all();
+    return taken;
+  }
+
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<T> value_;
   bool finished_ = false, closed_ = false;

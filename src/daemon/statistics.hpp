@@ -19,9 +19,10 @@ std::int64_t utime_now();
 
 /// All that is counted, since the start.
 struct Counters {
-  std::int64_t received = 0;  ///< messages on the scan channels
-  std::int64_t used = 0;      ///< tracked; a pose was published
-  std::int64_t replaced = 0;  ///< a fresher scan came before the worker was free
+  std::int64_t received = 0;    ///< messages on the scan channels
+  std::int64_t used = 0;        ///< tracked; a pose was published
+  std::int64_t replaced = 0;    ///< a fresher scan came before the worker was free
+  std::int64_t incomplete = 0;  ///< put together from sectors of which some were lost
   std::int64_t truncated = 0, unknown_type = 0, bad_size = 0, bad_field = 0;
   std::int64_t empty = 0, duplicate_time = 0, backward_time = 0;
   std::int64_t without_time = 0;  ///< utime was not positive; the time of arrival was taken
