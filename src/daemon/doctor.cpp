@@ -80,7 +80,17 @@ class Listener {
 };
 
 void add(DoctorReport& report, Grade grade, const char* name, std::string detail, std::string remedy = "") {
+  const bool for_root = remedy.rfind("ip ", 0) == 0 || remedy.rfind("sysctl ", 0) == 0;
+  if (for_root && geteuid() != 0) remedy.insert(0, "sudo ");
   report.findings.push_back({grade, name, std::move(detail), std::move(remedy)});
+}
+
+/// A URL that asks for too little is to blame itself; otherwise the kernel's limit is.
+std::string buffer_remedy(const std::string& url, int wanted) {
+  if (wanted >= kEchoBytes) return "sysctl -w net.core.rmem_max=" + std::to_string(wanted);
+  const std::size_t begin = url.find("recv_buf_size=");
+  const std::size_t end = std::min(url.find_first_of("&,", begin), url.size());
+  return "scanlockd -l '" + url.substr(0, begin) + "recv_buf_size=8388608" + url.substr(end) + "'";
 }
 
 void examine_route(const std::string& url, DoctorReport& report) {
@@ -101,7 +111,8 @@ void examine_route(const std::string& url, DoctorReport& report) {
         "ip route add 224.0.0.0/4 dev lo");
   } else {
     add(report, Grade::kGood, "route",
-        "multicast to " + endpoint.address + " leaves from " + route.local_address);
+        "multicast to " + endpoint.address + " leaves through " +
+            (route.on_loopback ? "the loopback" : "the interface of " + route.local_address));
   }
 }
 
@@ -118,7 +129,7 @@ void examine_buffer(const std::set<int>& sockets, const std::string& url, Doctor
   const std::string detail = "receive buffer: " + std::to_string(wanted) + " bytes wanted, " +
                              std::to_string(granted) + " granted (net.core.rmem_max is " +
                              std::to_string(report.rmem_max) + ")";
-  const std::string remedy = "sysctl -w net.core.rmem_max=" + std::to_string(std::max(wanted, kEchoBytes));
+  const std::string remedy = buffer_remedy(url, wanted);
   if (granted < kEchoBytes) {
     add(report, Grade::kFault, "receive_buffer",
         detail + "; scans over " + std::to_string(granted) + " bytes are lost", remedy);
@@ -131,7 +142,7 @@ void examine_buffer(const std::set<int>& sockets, const std::string& url, Doctor
     add(report, Grade::kNote, "default_buffer",
         "programs that ask for no buffer (lcm-logger without recv_buf_size in --lcm-url, lcm-spy) get " +
             std::to_string(rmem_default) + " bytes and lose scans",
-        "sysctl -w net.core.rmem_default=" + std::to_string(std::max(wanted, kEchoBytes)));
+        "sysctl -w net.core.rmem_default=8388608");
   }
 }
 
@@ -151,10 +162,7 @@ void examine_echo(lcm::LCM& lcm, Listener& listener, const std::string& channel,
                              " datagrams dropped by the kernel";
   const bool good = report.echoes_received == kEchoes && report.kernel_drops == 0;
   add(report, good ? Grade::kGood : Grade::kFault, "echo", detail,
-      good || !is_multicast(report.url)
-          ? ""
-          : "sysctl -w net.core.rmem_max=" +
-                std::to_string(std::max(wanted_receive_buffer(report.url), 4 * kEchoBytes)));
+      good || !is_multicast(report.url) ? "" : buffer_remedy(report.url, wanted_receive_buffer(report.url)));
 }
 
 void examine_channels(lcm::LCM& lcm, Listener& listener, const DaemonConfig& config, DoctorReport& report) {

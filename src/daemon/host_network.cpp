@@ -110,7 +110,8 @@ MulticastRoute multicast_route(const MulticastEndpoint& endpoint) {
   inet_ntop(AF_INET, &local.sin_addr, text, sizeof text);
   route.exists = true;
   route.local_address = text;
-  route.on_loopback = std::strncmp(text, "127.", 4) == 0;
+  // The loopback's own address does not serve for other hosts, so that the kernel may name none.
+  route.on_loopback = local.sin_addr.s_addr == 0 || std::strncmp(text, "127.", 4) == 0;
   return route;
 }
 

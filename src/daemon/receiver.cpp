@@ -18,8 +18,9 @@ double milliseconds(Clock::duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
 
-/// Live, LCM keeps the oldest of its queue: two are enough, as the handler is quick (0 would mean no limit).
-constexpr int kQueueCapacity = 2;
+/// LCM's own queue keeps the oldest; it stays short because the handler is quick. The sectors of a whole scan
+/// may come in one burst and have to fit (0 would mean no limit).
+constexpr int kQueueCapacity = 64;
 constexpr std::chrono::milliseconds kFirstRetry{250}, kLastRetry{8000};
 constexpr std::chrono::milliseconds kSocketPeriod{500};
 

@@ -43,7 +43,8 @@ StopSignal::Event StopSignal::wait_for_input(int fd, std::chrono::milliseconds d
   const auto end = std::chrono::steady_clock::now() + duration;
   pollfd watched[2] = {{event_fd_, POLLIN, 0}, {fd, POLLIN, 0}};
   while (!requested_) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now()).count();
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now()).count();
     if (left <= 0 && duration.count() > 0) return Event::kTimeout;
     const int ready = poll(watched, 2, static_cast<int>(std::clamp<std::int64_t>(left, 0, kLongestPoll)));
     if (requested_) return Event::kStop;

@@ -5,6 +5,8 @@
 #include <doctest/doctest.h>
 
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "daemon/config_keys.hpp"
 
@@ -25,7 +27,39 @@ bool starts_with(const std::string& text, const std::string& start) {
   return text.rfind(start, 0) == 0;
 }
 
+/// Converts to anything: how many of them initialise an aggregate says how many members it has.
+struct Anything {
+  template <typename T>
+  operator T() const;
+};
+
+template <typename T, typename... Args>
+auto initialisable(int) -> decltype(T{std::declval<Args>()...}, std::true_type{});
+template <typename T, typename... Args>
+std::false_type initialisable(...);
+
+template <typename T, typename... Args>
+constexpr std::size_t member_count() {
+  if constexpr (decltype(initialisable<T, Args..., Anything>(0))::value) {
+    return member_count<T, Args..., Anything>();
+  } else {
+    return sizeof...(Args);
+  }
+}
+
+std::size_t keys_in(const std::string& section) {
+  std::size_t count = 0;
+  for (const auto& key : config_keys()) count += key.section == section ? 1 : 0;
+  return count;
+}
+
 }  // namespace
+
+TEST_CASE("every member of the configuration has its key") {
+  CHECK(keys_in("tracker") == member_count<TrackerConfig>());
+  CHECK(keys_in("mount") == member_count<MountConfig>());
+  CHECK(keys_in("input") + keys_in("output") + 1 == member_count<DaemonConfig>());  // the mount is one member
+}
 
 TEST_CASE("an empty configuration is the default") {
   CHECK(print_config(parse_config("", "x")) == print_config(Config{}));
