@@ -33,7 +33,12 @@ Receiver::Receiver(const DaemonConfig& config, Slot<ReceivedScan>& slot, Statist
       from_log_(is_log(url_)),
       slot_(slot),
       statistics_(statistics),
-      stop_(stop) {}
+      stop_(stop),
+      limits_{static_cast<std::size_t>(config.max_message_bytes), static_cast<std::size_t>(config.max_points),
+              config.mbot_clockwise} {
+  for (const auto& channel : config.scan_channels)
+    assemblers_.emplace(channel, SectorAssembler(limits_.max_points));
+}
 
 void Receiver::run() {
   while (!stop_.requested()) {
@@ -42,7 +47,10 @@ void Receiver::run() {
     listen(*lcm);
     watch_sockets();
     sockets_.clear();
-    if (from_log_) break;
+    if (from_log_) {
+      flush();
+      break;
+    }
     if (stop_.wait_for(kFirstRetry)) break;  // the link broke: a new one after a breath
   }
   slot_.finish();
@@ -121,7 +129,7 @@ void Receiver::listen(lcm::LCM& lcm) {
 void Receiver::on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
   // An exception that leaves a handler makes LCM abort at the next message.
   try {
-    accept(*buffer, channel);
+    on_bytes(*buffer, channel);
   } catch (const std::exception& error) {
     reject(DecodeFault::kBadSize, channel + ": " + error.what());
   } catch (...) {
@@ -129,22 +137,26 @@ void Receiver::on_message(const lcm::ReceiveBuffer* buffer, const std::string& c
   }
 }
 
-void Receiver::accept(const lcm::ReceiveBuffer& buffer, const std::string& channel) {
+void Receiver::on_bytes(const lcm::ReceiveBuffer& buffer, const std::string& channel) {
   ReceivedScan received;
   received.arrival = Clock::now();
   received.recv_utime = utime_now();
   statistics_.count_received(buffer.data_size);
-  DecodeLimits limits;
-  limits.max_message_bytes = static_cast<std::size_t>(config_.max_message_bytes);
-  limits.mbot_clockwise = config_.mbot_clockwise;
-  limits.max_points = static_cast<std::size_t>(config_.max_points);
-  DecodedScan decoded = decode_scan(static_cast<const std::uint8_t*>(buffer.data), buffer.data_size, limits);
+  DecodedScan decoded = decode_scan(static_cast<const std::uint8_t*>(buffer.data), buffer.data_size, limits_);
+  for (DecodedScan& scan : assemblers_.at(channel).add(std::move(decoded))) {
+    on_scan(std::move(scan), received, channel);
+  }
+}
+
+void Receiver::on_scan(DecodedScan decoded, ReceivedScan received, const std::string& channel) {
   statistics_.count(&Counters::nonfinite_points, static_cast<std::int64_t>(decoded.nonfinite_points));
+  if (decoded.sectors_missing > 0) statistics_.count(&Counters::incomplete);
   if (decoded.fault != DecodeFault::kNone) return reject(decoded.fault, channel + ": " + decoded.error);
   if (decoded.scan.points.empty()) {  // it must not replace a good scan in the slot
     statistics_.count(&Counters::empty);
     return reject(DecodeFault::kNone, channel + ": a scan without a single usable point");
   }
+  say_how_times_are_read(decoded, channel);
   received.scan = std::move(decoded.scan);
   received.seq = decoded.seq;
   if (received.scan.utime <= 0) {
@@ -162,6 +174,26 @@ void Receiver::accept(const lcm::ReceiveBuffer& buffer, const std::string& chann
   } else if (slot_.replace(std::move(received))) {
     statistics_.count(&Counters::replaced);
   }
+}
+
+void Receiver::flush() {
+  for (auto& [channel, assembler] : assemblers_) {
+    if (auto incomplete = assembler.flush()) {
+      ReceivedScan received;
+      received.arrival = Clock::now();
+      received.recv_utime = utime_now();
+      on_scan(std::move(*incomplete), received, channel);
+    }
+  }
+}
+
+void Receiver::say_how_times_are_read(const DecodedScan& decoded, const std::string& channel) {
+  std::string& said = times_said_[channel];
+  const std::string sentence =
+      decoded.type + ", times of points: " + (decoded.time_field.empty() ? "none" : decoded.time_field);
+  if (said == sentence || !times_.allows(Clock::now())) return;
+  said = sentence;
+  log_line(LogLevel::kInfo, channel + ": " + sentence);
 }
 
 void Receiver::reject(DecodeFault fault, const std::string& sentence) {

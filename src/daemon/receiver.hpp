@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <lcm/lcm-cpp.hpp>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -13,6 +14,7 @@
 #include "daemon/scan_slot.hpp"
 #include "daemon/statistics.hpp"
 #include "daemon/stop_signal.hpp"
+#include "messages/sector_assembler.hpp"
 
 namespace scanlock {
 
@@ -41,7 +43,10 @@ class Receiver {
   std::unique_ptr<lcm::LCM> try_connect();
   void listen(lcm::LCM& lcm);
   void on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel);
-  void accept(const lcm::ReceiveBuffer& buffer, const std::string& channel);
+  void on_bytes(const lcm::ReceiveBuffer& buffer, const std::string& channel);
+  void on_scan(DecodedScan decoded, ReceivedScan received, const std::string& channel);
+  void flush();
+  void say_how_times_are_read(const DecodedScan& decoded, const std::string& channel);
   void reject(DecodeFault fault, const std::string& sentence);
   void watch_sockets();
 
@@ -51,8 +56,13 @@ class Receiver {
   Slot<ReceivedScan>& slot_;
   Statistics& statistics_;
   const StopSignal& stop_;
-  std::set<int> sockets_;           ///< those that LCM receives with
-  std::int64_t drops_counted_ = 0;  ///< of `sockets_`
+  const DecodeLimits limits_;
+  std::map<std::string, SectorAssembler> assemblers_;  ///< one for each scan channel
+  std::set<int> sockets_;                              ///< those that LCM receives with
+  std::int64_t drops_counted_ = 0;                     ///< of `sockets_`
+  std::map<std::string, std::string>
+      times_said_;  ///< by channel; drivers that change their minds are heard again
+  Throttle times_{std::chrono::seconds(1)};
   Throttle rejections_{std::chrono::seconds(10)}, untimed_{std::chrono::seconds(60)},
       drops_{std::chrono::seconds(10)};
 };

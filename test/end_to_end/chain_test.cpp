@@ -43,7 +43,7 @@ TEST_CASE("every scan that lcm-logplayer plays has its pose in what lcm-logger r
   Process logger(folder, {"lcm-logger", "--lcm-url=" + network.url() + "&recv_buf_size=8388608",
                           "--flush-interval=20", "-c", "POSE_.*|SCANLOCK_.*", folder / "out.lcmlog"});
   Process daemon(folder, {"scanlockd", "-l", network.url()});
-  REQUIRE(listener.until([&] { return listener.statuses > 0; }));                     // the daemon is there
+  REQUIRE(listener.until_ready());                                                    // the daemon is there
   REQUIRE(listener.until([&] { return !read_log(folder / "out.lcmlog").empty(); }));  // and so is the logger
   Process player(folder, {"lcm-logplayer", "-l", network.url(), "-s", kSpeed, folder / "in.lcmlog"});
   CHECK(listener.until([&] { return listener.poses.size() >= kScans; }, seconds(20)));

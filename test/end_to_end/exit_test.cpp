@@ -99,7 +99,7 @@ TEST_CASE("a signal ends the daemon with 0 while it works") {
   for (const int signal : {SIGTERM, SIGINT}) {
     Listener listener(network.url());
     Process daemon(folder, {"scanlockd", "-l", network.url()});
-    REQUIRE(listener.until([&] { return listener.statuses > 0; }));
+    REQUIRE(listener.until_ready());
     for (const auto& scan : scans) {  // faster than any tracker
       listener.publish("LIDAR", scan);
       std::this_thread::sleep_for(milliseconds(1));
@@ -124,7 +124,7 @@ TEST_CASE("without a multicast route the daemon waits, says what to do, and work
   CHECK_FALSE(daemon.wait(milliseconds(500)).has_value());
   network.add_route();
   Listener listener(network.url());
-  REQUIRE(listener.until([&] { return listener.statuses > 0; }));
+  REQUIRE(listener.until_ready());
   const auto scan = bytes_of(scan_from({}, utime_of(0), 16, 360));
   CHECK(listener.until(
       [&] {

@@ -55,7 +55,7 @@ TEST_CASE("hostile messages are counted one by one and the daemon lives on") {
   write_file(folder / "fast.toml", "[output]\nstatus_period_s = 0.1\n[input]\nmax_points = 1000000\n");
   Listener listener(network.url());
   Process daemon(folder, {"scanlockd", "-l", network.url(), "-c", folder / "fast.toml"});
-  REQUIRE(listener.until([&] { return listener.statuses > 0; }));
+  REQUIRE(listener.until_ready());
   std::int64_t sent = 0;
   const auto send = [&](const Bytes& bytes) {
     listener.publish("LIDAR", bytes);
@@ -136,7 +136,7 @@ TEST_CASE("scans of a repeated or an earlier time are counted and not used" * do
   const TemporaryFolder folder;
   Listener listener(network.url());
   Process daemon(folder, {"scanlockd", "-l", network.url()});
-  REQUIRE(listener.until([&] { return listener.statuses > 0; }));
+  REQUIRE(listener.until_ready());
   for (const std::int64_t utime : {utime_of(0), utime_of(0), utime_of(0) - 50000}) {
     const std::int64_t received = listener.status.scans_received;
     listener.publish("LIDAR", bytes_of(good_scan(utime)));
@@ -159,7 +159,7 @@ TEST_CASE("a scan without a time is given that of its arrival and said so") {
   const TemporaryFolder folder;
   Listener listener(network.url());
   Process daemon(folder, {"scanlockd", "-l", network.url()});
-  REQUIRE(listener.until([&] { return listener.statuses > 0; }));
+  REQUIRE(listener.until_ready());
   listener.publish("LIDAR", bytes_of(good_scan(0)));
   REQUIRE(listener.until([&] { return !listener.odometry.empty(); }));
   CHECK(listener.odometry[0].utime == listener.odometry[0].recv_utime);
@@ -176,7 +176,7 @@ TEST_CASE("channel names are literal and other channels are not heard") {
   Listener listener(network.url());
   Process daemon(
       folder, {"scanlockd", "-l", network.url(), "--scan-channel", "/lidar#a.b", "--scan-channel", "SECOND"});
-  REQUIRE(listener.until([&] { return listener.statuses > 0; }));
+  REQUIRE(listener.until_ready());
   const Bytes scan = bytes_of(good_scan(utime_of(0)));
   listener.publish("/lidar#aXb", scan);
   listener.publish("LIDAR", scan);

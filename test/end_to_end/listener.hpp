@@ -33,6 +33,11 @@ class Listener {
     return true;
   }
 
+  /// Waits until the daemon says that it receives: its socket is there then.
+  bool until_ready() {
+    return until([this] { return statuses > 0 && status.recv_buf_granted > 0; });
+  }
+
   void publish(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
     lcm_.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size()));
   }
