@@ -141,7 +141,7 @@ int serve(const Config& config) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app{"LiDAR odometry on LCM: scans in, poses out."};
-  app.set_version_flag("-V,--version", SCANLOCK_VERSION);
+  app.set_version_flag("-V,--version", std::string("scanlockd ") + SCANLOCK_VERSION);
   app.add_option("-c,--config", options.config_path, "configuration (TOML); --print-config shows all keys");
   app.add_option("-l,--lcm-url", options.url,
                  "LCM URL of the scans; default: LCM_DEFAULT_URL, else " + std::string(kDefaultUrl));
