@@ -17,17 +17,19 @@ import lcm.spy.ChannelData;
 import lcm.spy.SpyPlugin;
 
 /**
- * lcm-spy plug-in: bot_core.pointcloud2_t seen from above, coloured by height. It also takes over the double-click:
- * the spy's own viewer would list the bytes of a scan one by one and die of it.
+ * lcm-spy plug-in: bot_core.pointcloud2_t, or the sectors of a scan, seen from above and coloured by height. It also
+ * takes over the double-click: the spy's own viewer would list the bytes of a scan one by one and die of it.
  */
 public class ScanFromAbove implements SpyPlugin {
-  @Override public boolean canHandle(long fingerprint) { return fingerprint == bot_core.pointcloud2_t.LCM_FINGERPRINT; }
+  @Override public boolean canHandle(long fingerprint) {
+    return fingerprint == bot_core.pointcloud2_t.LCM_FINGERPRINT || fingerprint == scanlock.scan_sector_t.LCM_FINGERPRINT;
+  }
 
   /** The spy asks with nulls, too, when it only wants the name. */
   @Override public Action getAction(final JDesktopPane desktop, final ChannelData channel) {
     return new AbstractAction("Scan from above") {
       @Override public void actionPerformed(ActionEvent event) {
-        if (desktop != null && channel != null) new View().open(desktop, "Scan", channel.name);
+        if (desktop != null && channel != null) new View(channel.fingerprint).open(desktop, "Scan", channel.name);
       }
     };
   }
@@ -35,13 +37,41 @@ public class ScanFromAbove implements SpyPlugin {
   private static class View extends TopView {
     private static final int MAX_DRAWN = 150000;
     private static final int FLOAT32 = 7, FLOAT64 = 8;
+    private final boolean sectors;
     private float[] x = {}, y = {}, z = {};
+    private final float[][] collected = new float[3][MAX_DRAWN];  // of the scan whose sectors are coming in
+    private int collectedPoints, collectedSectors;
+    private long collectedUtime;
+
+    View(long fingerprint) { sectors = fingerprint == scanlock.scan_sector_t.LCM_FINGERPRINT; }
 
     @Override public void messageReceived(LCM lcm, String channel, LCMDataInputStream input) {
       try {
-        show(new bot_core.pointcloud2_t(input));
+        if (sectors) collect(new scanlock.scan_sector_t(input));
+        else show(new bot_core.pointcloud2_t(input));
       } catch (java.io.IOException | RuntimeException | OutOfMemoryError wrong) {
         setHeading("a message could not be read: " + wrong);
+      }
+    }
+
+    /** A scan is shown when the next one begins, whether all of its sectors came or not. */
+    private void collect(scanlock.scan_sector_t sector) {
+      if (sector.utime != collectedUtime) {
+        synchronized (this) {
+          x = Arrays.copyOf(collected[0], collectedPoints);
+          y = Arrays.copyOf(collected[1], collectedPoints);
+          z = Arrays.copyOf(collected[2], collectedPoints);
+        }
+        setHeading(String.format("%d points   %d of %d sectors   %s   %.3f s", collectedPoints, collectedSectors,
+            sector.sector_count, sector.frame_id, collectedUtime * 1e-6));
+        collectedUtime = sector.utime;
+        collectedPoints = collectedSectors = 0;
+      }
+      ++collectedSectors;
+      for (int i = 0; i < sector.num_points && collectedPoints < MAX_DRAWN; ++i, ++collectedPoints) {
+        collected[0][collectedPoints] = sector.coordinate_scale * sector.x[i];
+        collected[1][collectedPoints] = sector.coordinate_scale * sector.y[i];
+        collected[2][collectedPoints] = sector.coordinate_scale * sector.z[i];
       }
     }
 
