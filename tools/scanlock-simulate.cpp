@@ -39,15 +39,19 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--world", options.world, "urban, indoor, forest, tunnel or field")->capture_default_str();
   app.add_option("--lidar", options.lidar, "vlp16, hdl64, os1-64, mid360 or planar")->capture_default_str();
   app.add_option("--seconds", options.config.seconds, "Length of the drive")->capture_default_str();
-  app.add_option("--seed", options.config.seed, "World, route and noise follow from it")->capture_default_str();
-  app.add_option("--event", options.events,
-                 "May be given again; in seconds: kidnap@T (the sensor is carried 3 to 15 m and turned), blackout@T+D "
-                 "(scans empty or of at most 20 points), shake@T+D (strong rotations), halfview@T+D (nothing seen to "
-                 "the left), dropout@T+D (scans missing altogether)")
+  app.add_option("--seed", options.config.seed, "World, route and noise follow from it")
+      ->capture_default_str();
+  app.add_option(
+         "--event", options.events,
+         "May be given again; in seconds: kidnap@T (the sensor is carried 3 to 15 m and turned), "
+         "blackout@T+D "
+         "(scans empty or of at most 20 points), shake@T+D (strong rotations), halfview@T+D (nothing seen to "
+         "the left), dropout@T+D (scans missing altogether)")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--speed", options.config.speed_mps, "Cruising speed in m/s instead of the world's own");
-  app.add_option("--noise", options.noise, "Standard deviation of ranges in metres instead of the sensor's own")
+  app.add_option("--noise", options.noise,
+                 "Standard deviation of ranges in metres instead of the sensor's own")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--no-distortion", options.no_distortion, "Take all points of a scan at its stamp");
   app.add_option("--stamp", options.stamp, "Stamp the begin or the end of each sweep")
@@ -55,10 +59,12 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--channel", options.channel, "Channel of the scans")->capture_default_str();
   app.add_option("--truth", options.truth, "Also write the sensor's exact pose at each scan's stamp (TUM)");
-  app.add_option("--bin", options.bin,
-                 "Also write the scans to this directory: NNNNNN.bin (KITTI), ptime/NNNNNN.f32 and times.txt, as "
-                 "scanlock-convert reads them");
-  app.add_option("--threads", options.config.threads, "The result does not depend on it")->capture_default_str();
+  app.add_option(
+      "--bin", options.bin,
+      "Also write the scans to this directory: NNNNNN.bin (KITTI), ptime/NNNNNN.f32 and times.txt, as "
+      "scanlock-convert reads them");
+  app.add_option("--threads", options.config.threads, "The result does not depend on it")
+      ->capture_default_str();
   app.add_flag("--json", options.json, "Print one JSON object on standard output");
   app.add_option("LOG", options.log, "The LCM log to write")->required();
 }
@@ -143,6 +149,8 @@ Summary run(const Options& options) {
   const auto begin = std::chrono::steady_clock::now();
   Simulator simulator(options.config);
   LogWriter log(options.log);
+  if (!options.truth.empty())
+    write_tum(options.truth, {});  // a path that cannot be written fails now, not at the end
   std::optional<ScanDirectory> directory;
   if (!options.bin.empty()) directory.emplace(options.bin);
   Progress progress(simulator.sweeps());
@@ -154,7 +162,8 @@ Summary run(const Options& options) {
     log.write(simulated->scan.utime, options.channel, encode_pointcloud2(simulated->scan, tags));
     if (directory) directory->write(*simulated);
     if (!truth.empty())
-      summary.distance_m += (simulated->world_from_body.translation() - truth.back().pose.translation()).norm();
+      summary.distance_m +=
+          (simulated->world_from_body.translation() - truth.back().pose.translation()).norm();
     truth.push_back({static_cast<double>(simulated->scan.utime) * 1e-6, simulated->world_from_body});
     ++summary.scans;
     summary.points += static_cast<std::int64_t>(simulated->scan.points.size());
@@ -175,15 +184,16 @@ void report(const Options& options, const Summary& summary) {
     std::cout << json.dump() << "\n";
   } else {
     std::printf("%s: %lld scans, %lld points, %.1f m driven (%s, %s), made in %.1f s\n", options.log.c_str(),
-                static_cast<long long>(summary.scans), static_cast<long long>(summary.points), summary.distance_m,
-                options.world.c_str(), options.lidar.c_str(), summary.elapsed_s);
+                static_cast<long long>(summary.scans), static_cast<long long>(summary.points),
+                summary.distance_m, options.world.c_str(), options.lidar.c_str(), summary.elapsed_s);
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Drives a simulated LiDAR through a world into an LCM log, with exact truth.", "scanlock-simulate");
+  CLI::App app("Drives a simulated LiDAR through a world into an LCM log, with exact truth.",
+               "scanlock-simulate");
   Options options;
   options.config.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   declare(app, options);

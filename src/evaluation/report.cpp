@@ -23,7 +23,7 @@ text { font-family: "DejaVu Sans", Verdana, Helvetica, sans-serif; fill: #202124
 .reference { stroke: #b0b6bd; stroke-width: 5; fill: none; stroke-linejoin: round; stroke-linecap: round; }
 .estimate { stroke: #1a56c4; stroke-width: 1.8; fill: none; stroke-linejoin: round; stroke-linecap: round; }
 .error { stroke: #c5221f; stroke-width: 1.6; fill: none; stroke-linejoin: round; }
-.start { fill: #ffffff; stroke: #188038; stroke-width: 3; }
+.start { fill: none; stroke: #188038; stroke-width: 3; }
 .reference-end { fill: #b0b6bd; stroke: #5f6368; }
 .estimate-end { fill: #1a56c4; stroke: #ffffff; }
 </style>
@@ -73,10 +73,11 @@ std::string seen_from_above(const Comparison& comparison) {
                                             {x_range.max, y_range.max});
   std::string svg = panel.grid("x (m)", "y (m)", 9, 6);
   svg += panel.line(reference, "reference") + panel.line(estimate, "estimate");
-  svg += panel.circle(estimate.front(), "start") + panel.label(estimate.front(), "start");
   svg += panel.square(reference.back(), "reference-end") + panel.square(estimate.back(), "estimate-end");
-  if ((panel.to_pixels(estimate.front()) - panel.to_pixels(estimate.back())).norm() > 40)
-    svg += panel.label(estimate.back(), "end");
+  svg += panel.circle(estimate.front(), "start");
+  const bool loop = (panel.to_pixels(estimate.front()) - panel.to_pixels(estimate.back())).norm() < 60;
+  svg += panel.label(estimate.front(), loop ? "start and end" : "start");
+  if (!loop) svg += panel.label(estimate.back(), "end");
   return svg + panel.scale_bar();
 }
 

@@ -166,7 +166,7 @@ std::string SvgPanel::label(const Eigen::Vector2d& place, const std::string& tex
 
 std::string SvgPanel::circle(const Eigen::Vector2d& place, const std::string& css_class) const {
   const Eigen::Vector2d p = to_pixels(place);
-  return "<circle class=\"" + css_class + printed("\" cx=\"%.1f\" cy=\"%.1f\" r=\"6\"/>\n", p.x(), p.y());
+  return "<circle class=\"" + css_class + printed("\" cx=\"%.1f\" cy=\"%.1f\" r=\"8\"/>\n", p.x(), p.y());
 }
 
 std::string SvgPanel::square(const Eigen::Vector2d& place, const std::string& css_class) const {

@@ -46,27 +46,22 @@ std::uint64_t pack(const Voxel& v) {
          static_cast<std::uint64_t>(v.iz + (1 << 20));
 }
 
-std::uint64_t mix(std::uint64_t key) {
-  key *= 0x9e3779b97f4a7c15ULL;
-  return key ^ (key >> 29);
-}
+/// Fibonacci hashing: only the high bits of the product depend on all bits of the key.
+std::size_t hash(std::uint64_t key) { return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 32); }
 
-/// The best point of each voxel in an open-addressing table.
+/// The best point of each voxel in an open-addressing table that grows with the voxels, not with the points: it stays in
+/// cache where most points share few voxels, which is what thinning is for.
 class VoxelTable {
  public:
-  explicit VoxelTable(std::size_t points) {
-    std::size_t slots = 1024;
-    while (slots < points * 2) slots *= 2;
-    mask_ = slots - 1;
-    slots_.assign(slots, Slot{});
-  }
+  VoxelTable() : slots_(kFirstSlots) {}
 
   void offer(const PointCloud& cloud, std::uint32_t index, const Voxel& voxel) {
     const std::uint64_t key = pack(voxel);
-    std::size_t at = mix(key) & mask_;
-    while (slots_[at].index != kEmpty && slots_[at].key != key) at = (at + 1) & mask_;
-    Slot& slot = slots_[at];
-    if (slot.index == kEmpty || better(cloud, voxel.squared_distance_to_centre, index, slot)) {
+    Slot& slot = find(key);
+    if (slot.index == kEmpty) {
+      slot = {key, index, voxel.squared_distance_to_centre};
+      if (++used_ * 2 > slots_.size()) grow();
+    } else if (better(cloud, voxel.squared_distance_to_centre, index, slot)) {
       slot = {key, index, voxel.squared_distance_to_centre};
     }
   }
@@ -101,15 +96,31 @@ class VoxelTable {
     return cloud.z[index] < cloud.z[other];
   }
 
+  Slot& find(std::uint64_t key) {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t at = hash(key) & mask;
+    while (slots_[at].index != kEmpty && slots_[at].key != key) at = (at + 1) & mask;
+    return slots_[at];
+  }
+
+  void grow() {
+    std::vector<Slot> old(slots_.size() * 4);
+    old.swap(slots_);
+    for (const Slot& slot : old) {
+      if (slot.index != kEmpty) find(slot.key) = slot;
+    }
+  }
+
+  static constexpr std::size_t kFirstSlots = 1u << 13;
   std::vector<Slot> slots_;
-  std::size_t mask_ = 0;
+  std::size_t used_ = 0;
 };
 
 template <typename IndexAt>
 std::vector<std::uint32_t> thin(const PointCloud& cloud, std::size_t n, float size, const IndexAt& index_at) {
   if (!(size > 0)) throw std::invalid_argument("thin_by_voxel: the voxel size must be above 0");
   const float inverse_size = 1.0f / size;
-  VoxelTable table(n);
+  VoxelTable table;
   Voxel voxel{};
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t index = index_at(i);

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: MIT
 #include "icp/correspondences.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 #include "geometry/parallel.hpp"
 
@@ -18,10 +20,11 @@ constexpr float kRounding = 1e-5f;
 
 }  // namespace
 
-void Correspondences::reset(const KdTree& target, std::size_t n) {
+void Correspondences::reset(const PointCloud& target, const KdForest& tree, std::size_t n) {
   target_ = &target;
+  tree_ = &tree;
   gate_ = 0;
-  memories_.assign(n, Memory{0, 0, 0, -1, -1});
+  memories_.assign(n, Memory{0, 0, 0, -1, -1, -1});
   indices_.assign(n, -1);
   searches_made_ = searches_saved_ = 0;
 }
@@ -32,14 +35,22 @@ bool Correspondences::answer_holds(const Memory& memory, float x, float y, float
 }
 
 void Correspondences::search(const Eigen::Vector3f& query, float radius, float gate, Memory* memory) const {
+  // The two points found last time bound the two distances sought now, so the search prunes from its first step.
+  float bound = radius;
+  if (memory->second >= 0) {
+    const float a = (target_->point(static_cast<std::size_t>(memory->nearest)) - query).norm();
+    const float b = (target_->point(static_cast<std::size_t>(memory->second)) - query).norm();
+    bound = std::min(bound, std::max(a, b) * (1.0f + kRounding) + std::numeric_limits<float>::min());
+  }
   Neighbour found[2];
-  const int count = target_->k_nearest(query, 2, found, radius);
+  const int count = tree_->k_nearest(query, 2, found, bound);
   const float d1 = count > 0 ? std::sqrt(found[0].squared_distance) : radius;
   const float d2 = count > 1 ? std::sqrt(found[1].squared_distance) : radius;
   memory->x = query.x();
   memory->y = query.y();
   memory->z = query.z();
   memory->nearest = count > 0 ? found[0].index : -1;
+  memory->second = count > 1 ? found[1].index : -1;
   memory->margin = (count > 0 ? 0.5f * (d2 - d1) : radius - gate) - kRounding * radius;
 }
 

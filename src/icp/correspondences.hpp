@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "geometry/point_cloud.hpp"
-#include "search/kd_tree.hpp"
+#include "search/kd_forest.hpp"
 
 namespace scanlock {
 
@@ -18,8 +18,8 @@ namespace scanlock {
 /// are those of a search of every point at every update; only the work is less.
 class Correspondences {
  public:
-  /// Forgets everything and prepares for `n` source points. The tree must outlive this object's use.
-  void reset(const KdTree& target, std::size_t n);
+  /// Forgets everything and prepares for `n` source points. Cloud and its tree must outlive this object's use.
+  void reset(const PointCloud& target, const KdForest& tree, std::size_t n);
 
   /// Brings the answers up to date with the moved source (x, y, z of n points each, target frame, metres): the nearest
   /// target point within `gate` metres of each. `threads` does not change the answers.
@@ -37,12 +37,13 @@ class Correspondences {
   struct Memory {
     float x, y, z;          ///< position at the last search
     float margin = -1;      ///< how far the point may move before it is searched again; negative: never searched
-    std::int32_t nearest = -1;
+    std::int32_t nearest = -1, second = -1;
   };
   bool answer_holds(const Memory& memory, float x, float y, float z) const;
   void search(const Eigen::Vector3f& query, float radius, float gate, Memory* memory) const;
 
-  const KdTree* target_ = nullptr;
+  const PointCloud* target_ = nullptr;
+  const KdForest* tree_ = nullptr;
   float gate_ = 0;
   std::vector<Memory> memories_;
   std::vector<std::int32_t> indices_;

@@ -3,6 +3,11 @@
 #include "icp/descent.hpp"
 
 namespace scanlock {
+namespace {
+
+constexpr double kNoiseFloor = 5.0;  // tolerances
+
+}  // namespace
 
 DescentResult descend(DescentProblem& problem, const StateVector& start, const DescentOptions& options) {
   DescentResult result;
@@ -30,8 +35,11 @@ DescentResult descend(DescentProblem& problem, const StateVector& start, const D
       energy = problem.evaluate(trial);
       ++result.evaluations;
     }
+    // A step of a few tolerances that does not descend has met the noise floor: correspondences flip back and forth there.
+    const bool worth_searching = problem.distance(result.x, image) > kNoiseFloor * options.tolerance;
+    const int line_search_steps = worth_searching ? options.max_line_search_steps : 0;
     double length = 1.0;
-    for (int step = 0; step < options.max_line_search_steps && !(energy < result.energy); ++step) {
+    for (int step = 0; step < line_search_steps && !(energy < result.energy); ++step) {
       length *= 0.5;
       trial = result.x + length * (image - result.x);
       energy = problem.evaluate(trial);

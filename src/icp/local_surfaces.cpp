@@ -34,12 +34,17 @@ Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int co
   return surface;
 }
 
-void LocalSurfaces::reset(const PointCloud& cloud, const KdTree& tree, float radius) {
+void LocalSurfaces::reset(const PointCloud& cloud, const KdForest& tree, float radius) {
   cloud_ = &cloud;
   tree_ = &tree;
   radius_ = radius;
   surfaces_.assign(cloud.size(), Surface{});
   fitted_.assign(cloud.size(), 0);
+}
+
+void LocalSurfaces::grow() {
+  surfaces_.resize(cloud_->size());
+  fitted_.resize(cloud_->size(), 0);
 }
 
 void LocalSurfaces::prepare(const std::vector<std::int32_t>& indices, int threads) {

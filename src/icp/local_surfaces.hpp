@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/point_cloud.hpp"
-#include "search/kd_tree.hpp"
+#include "search/kd_forest.hpp"
 
 namespace scanlock {
 
@@ -26,7 +26,10 @@ class LocalSurfaces {
 
   /// Forgets all fits. Cloud and tree (of that cloud) must outlive this object's use; `radius`: neighbours farther than
   /// this many metres do not count.
-  void reset(const PointCloud& cloud, const KdTree& tree, float radius);
+  void reset(const PointCloud& cloud, const KdForest& tree, float radius);
+
+  /// The cloud has grown at its end; the fits of what was there stay.
+  void grow();
 
   /// Fits what is missing among the points at `indices` (negative ones are skipped). The result does not depend on
   /// `threads`.
@@ -37,7 +40,7 @@ class LocalSurfaces {
 
  private:
   const PointCloud* cloud_ = nullptr;
-  const KdTree* tree_ = nullptr;
+  const KdForest* tree_ = nullptr;
   float radius_ = 0;
   std::vector<Surface> surfaces_;
   std::vector<std::uint8_t> fitted_;

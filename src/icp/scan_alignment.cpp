@@ -52,7 +52,7 @@ struct ScanAligner::Workspace final : DescentProblem {
     options = &with;
     const std::size_t n = cloud.size();
     motion.set_times(cloud.time);
-    correspondences.reset(to.tree, n);
+    correspondences.reset(to.cloud, to.tree, n);
     for (std::vector<float>* values : {&wx, &wy, &wz, &residuals, &weights}) values->resize(n);
     duration = motion.still() ? 0.1 : std::max(motion.knot_time(ScanMotion::kKnots) - motion.knot_time(0), 1e-3);
     double sum = 0;

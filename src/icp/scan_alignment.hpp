@@ -9,7 +9,7 @@
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 #include "icp/local_surfaces.hpp"
-#include "search/kd_tree.hpp"
+#include "search/kd_forest.hpp"
 
 namespace scanlock {
 
@@ -31,7 +31,7 @@ struct MotionPrior {
 /// What a scan is aligned with: points in a frame near the sensor, their tree, and their surfaces.
 struct AlignmentTarget {
   const PointCloud& cloud;
-  const KdTree& tree;
+  const KdForest& tree;
   LocalSurfaces& surfaces;
 };
 

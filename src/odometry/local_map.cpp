@@ -12,33 +12,8 @@
 namespace scanlock {
 namespace {
 
+constexpr std::size_t kLeastFresh = 4000;  // points: a tree of so few is built in half a millisecond
 constexpr double kOriginReach = 200.0;  // metres: at this distance a float still resolves 15 micrometres
-
-/// Which voxels are taken; a small open-addressing set, for it is rebuilt with every keyframe.
-class VoxelSet {
- public:
-  explicit VoxelSet(std::size_t expected) {
-    std::size_t slots = 1024;
-    while (slots < expected * 2) slots *= 2;
-    keys_.assign(slots, kEmpty);
-    mask_ = slots - 1;
-  }
-  /// False when it was there already.
-  bool insert(std::uint64_t key) {
-    std::size_t at = (key * 0x9e3779b97f4a7c15ULL >> 20) & mask_;
-    while (keys_[at] != kEmpty) {
-      if (keys_[at] == key) return false;
-      at = (at + 1) & mask_;
-    }
-    keys_[at] = key;
-    return true;
-  }
-
- private:
-  static constexpr std::uint64_t kEmpty = ~0ULL;
-  std::vector<std::uint64_t> keys_;
-  std::size_t mask_ = 0;
-};
 
 std::uint64_t voxel_key(const Eigen::Vector3f& p, float inverse_voxel) {
   const Eigen::Vector3f v = (p * inverse_voxel).array().floor();
@@ -53,7 +28,8 @@ void LocalMap::clear() {
   keyframes_.clear();
   cloud_ = {};
   owner_.clear();
-  tree_ = KdTree();
+  taken_.clear();
+  tree_.rebuild(cloud_);
   surfaces_.reset(cloud_, tree_, 1.0f);
 }
 
@@ -61,11 +37,27 @@ void LocalMap::insert(Keyframe keyframe, double voxel) {
   const Eigen::Vector3d here = keyframe.map_from_body.translation();
   keyframe.id = next_id_++;
   keyframes_.push_back(std::move(keyframe));
-  forget(here);
-  if ((here - origin_).norm() > kOriginReach || keyframes_.size() == 1) move_origin(here);
-  add_novel_points(keyframes_.back(), voxel);
-  tree_ = KdTree(cloud_);
-  surfaces_.reset(cloud_, tree_, static_cast<float>(4.0 * voxel));
+  const bool rebuild = wants_rebuild(here, voxel);
+  if (rebuild) {
+    forget(here);
+    if ((here - origin_).norm() > kOriginReach || keyframes_.size() == 1) move_origin(here);
+    note_voxels(voxel);
+  }
+  add_novel_points(keyframes_.back());
+  if (rebuild) {
+    tree_.rebuild(cloud_);
+    surfaces_.reset(cloud_, tree_, static_cast<float>(4.0 * voxel));
+  } else {
+    tree_.grow(cloud_);
+    surfaces_.grow();
+  }
+}
+
+bool LocalMap::wants_rebuild(const Eigen::Vector3d& here, double voxel) const {
+  const std::size_t fresh = cloud_.size() - tree_.old_points();
+  return keyframes_.size() == 1 || voxel != voxel_ || fresh > std::max(kLeastFresh, tree_.old_points() / 5) ||
+         cloud_.size() + keyframes_.back().points.size() > static_cast<std::size_t>(limits_.max_points) ||
+         (here - origin_).norm() > 2.0 * kOriginReach;
 }
 
 void LocalMap::forget(const Eigen::Vector3d& here) {
@@ -114,15 +106,20 @@ void LocalMap::move_origin(const Eigen::Vector3d& here) {
   }
 }
 
-void LocalMap::add_novel_points(const Keyframe& keyframe, double voxel) {
+void LocalMap::note_voxels(double voxel) {
+  voxel_ = voxel;
   const float inverse_voxel = static_cast<float>(1.0 / voxel);
-  VoxelSet taken(cloud_.size() + keyframe.points.size());
-  for (std::size_t i = 0; i < cloud_.size(); ++i) taken.insert(voxel_key(cloud_.point(i), inverse_voxel));
+  taken_.clear();
+  for (std::size_t i = 0; i < cloud_.size(); ++i) taken_.insert(voxel_key(cloud_.point(i), inverse_voxel));
+}
+
+void LocalMap::add_novel_points(const Keyframe& keyframe) {
+  const float inverse_voxel = static_cast<float>(1.0 / voxel_);
   const Eigen::Matrix3f rotation = keyframe.map_from_body.linear().cast<float>();
   const Eigen::Vector3f translation = (keyframe.map_from_body.translation() - origin_).cast<float>();
   for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
     const Eigen::Vector3f p = rotation * keyframe.points.point(i) + translation;
-    if (!taken.insert(voxel_key(p, inverse_voxel))) continue;
+    if (!taken_.insert(voxel_key(p, inverse_voxel))) continue;
     cloud_.push_back(p);
     owner_.push_back(keyframe.id);
   }

@@ -9,6 +9,7 @@
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 #include "icp/scan_alignment.hpp"
+#include "odometry/voxel_set.hpp"
 
 namespace scanlock {
 
@@ -35,7 +36,8 @@ class LocalMap {
   LocalMap(const LocalMap&) = delete;  // the surfaces point into cloud and tree
   LocalMap& operator=(const LocalMap&) = delete;
 
-  /// Adds a keyframe at its pose, forgets what the limits say, and indexes anew. `voxel` in metres.
+  /// Adds a keyframe at its pose. New points are indexed at once; forgetting old ones, and one index of all, wait until
+  /// it is worth it. `voxel` in metres.
   void insert(Keyframe keyframe, double voxel);
   void clear();
 
@@ -51,16 +53,20 @@ class LocalMap {
   PointCloud snapshot() const;
 
  private:
+  bool wants_rebuild(const Eigen::Vector3d& here, double voxel) const;
   void forget(const Eigen::Vector3d& here);
   void move_origin(const Eigen::Vector3d& here);
-  void add_novel_points(const Keyframe& keyframe, double voxel);
+  void note_voxels(double voxel);
+  void add_novel_points(const Keyframe& keyframe);
 
   LocalMapLimits limits_;
   std::deque<Keyframe> keyframes_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   PointCloud cloud_;                  ///< relative to origin_
   std::vector<std::uint32_t> owner_;  ///< id of the keyframe that each point came with
-  KdTree tree_;
+  double voxel_ = 0;                  ///< metres, of the grid that `taken_` is of
+  VoxelSet taken_;
+  KdForest tree_;
   LocalSurfaces surfaces_;
   std::uint32_t next_id_ = 0;
 };

@@ -12,8 +12,14 @@
 namespace scanlock {
 namespace {
 
-/// The source is thinned to this many map voxels.
-constexpr float kSourceVoxels = 2.0f;
+/// The source is thinned to this many map voxels: the coarsest that still leaves enough points. Coarse is good where there
+/// are many, for it weighs the far and sparse, which fix the rotation, like the near and dense.
+constexpr float kSourceVoxels[] = {2.0f, 1.41f, 1.0f};
+
+constexpr double kVoxelPerRange = 0.045;  // the first guess, before a count is known
+constexpr double kStep = 1.4142135623730951;
+constexpr double kBand = 1.6;
+constexpr int kSettlingRounds = 8;
 
 /// Squared ranges in bins of 1/16 octave (of the range: 1/32): the top bits of a float are a logarithm.
 class RangeHistogram {
@@ -62,26 +68,45 @@ CroppedScan crop(const PointCloud& points, double min_range, double max_range) {
   return result;
 }
 
-VoxelScale::VoxelScale(double voxel_per_range, double min_voxel, double max_voxel)
-    : voxel_per_range_(voxel_per_range), min_voxel_(min_voxel), max_voxel_(max_voxel) {}
+VoxelScale::VoxelScale(int wanted, double min_voxel, double max_voxel)
+    : wanted_(wanted), min_voxel_(min_voxel), max_voxel_(max_voxel) {}
 
-double VoxelScale::update(double median_range) {
-  if (!(median_range > 0)) return voxel_ > 0 ? voxel_ : max_voxel_;
-  const double log_range = std::log2(median_range);
-  smoothed_log_range_ = voxel_ > 0 ? smoothed_log_range_ + 0.1 * (log_range - smoothed_log_range_) : log_range;
-  const double wanted = smoothed_log_range_ + std::log2(voxel_per_range_);
-  // Half-octave steps; a step is left only when the wish is more than 0.4 octaves away.
-  if (voxel_ == 0 || std::abs(wanted - std::log2(voxel_)) > 0.4) voxel_ = std::exp2(std::round(2.0 * wanted) / 2.0);
-  return std::clamp(voxel_, min_voxel_, max_voxel_);
+double VoxelScale::current(double median_range) {
+  if (voxel_ == 0 && median_range > 0) {
+    voxel_ = std::clamp(std::exp2(std::round(2.0 * std::log2(kVoxelPerRange * median_range)) / 2.0), min_voxel_, max_voxel_);
+  }
+  return voxel_ > 0 ? voxel_ : max_voxel_;
 }
 
-PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, double voxel, int max_source_points) {
+bool VoxelScale::adapt(std::size_t thinned, std::size_t cropped) {
+  if (voxel_ == 0 || cropped == 0) return false;
+  // A sparse scan cannot give more than it has; half of it is what a map can be made of.
+  const double wanted = std::min(wanted_, 0.5 * static_cast<double>(cropped));
+  const double count = static_cast<double>(thinned), before = voxel_;
+  // Counts go like 1/v^2 on surfaces: one step doubles them at most, and the band is wider than that.
+  if (count > kBand * wanted) voxel_ *= kStep;
+  if (count * kBand < wanted) voxel_ /= kStep;
+  voxel_ = std::clamp(voxel_, min_voxel_, max_voxel_);
+  return voxel_ != before;
+}
+
+PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, VoxelScale* scale, bool first,
+                       int max_source_points) {
   PreparedScan result;
-  const float size = static_cast<float>(voxel);
-  const std::vector<std::uint32_t> fine = thin_by_voxel(points, cropped.indices, size);
+  std::vector<std::uint32_t> fine;
+  // The first scan settles the size; later ones change it by one step at a time, for the scan after them.
+  for (int round = 0; round < (first ? kSettlingRounds : 1); ++round) {
+    result.voxel = scale->current(cropped.median_range);
+    fine = thin_by_voxel(points, cropped.indices, static_cast<float>(result.voxel));
+    if (!scale->adapt(fine.size(), cropped.indices.size())) break;
+  }
   result.fine = select(points, fine);
-  std::vector<std::uint32_t> source = thin_by_voxel(result.fine, kSourceVoxels * size);
   const std::size_t most = static_cast<std::size_t>(std::max(max_source_points, 1));
+  std::vector<std::uint32_t> source;
+  for (float voxels : kSourceVoxels) {
+    source = thin_by_voxel(result.fine, voxels * static_cast<float>(result.voxel));
+    if (2 * source.size() >= most) break;
+  }
   if (source.size() > most) {  // evenly along the Morton curve, so evenly in space
     std::vector<std::uint32_t> fewer(most);
     for (std::size_t i = 0; i < most; ++i) fewer[i] = source[i * source.size() / most];

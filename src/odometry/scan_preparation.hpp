@@ -16,16 +16,20 @@ struct CroppedScan {
 };
 CroppedScan crop(const PointCloud& points, double min_range, double max_range);
 
-/// The voxel size that fits a scene, in steps of sqrt(2) and with hysteresis, so that it changes seldom.
+/// The voxel size of the map, in steps of sqrt(2) and with hysteresis, so that it changes seldom: the one that leaves about
+/// `wanted` points of a scan. It follows the size of the scene and the density of the sensor alike, and makes the work on
+/// a scan about constant.
 class VoxelScale {
  public:
-  VoxelScale(double voxel_per_range, double min_voxel, double max_voxel);
-  /// Takes the median range of a scan, returns the voxel size to use, metres.
-  double update(double median_range);
+  /// Sizes in metres.
+  VoxelScale(int wanted, double min_voxel, double max_voxel);
+  /// The size to use for a scan with this median range (a first guess) and this many points within range.
+  double current(double median_range);
+  /// Takes how many points the last scan was thinned to; true when the size changed by it.
+  bool adapt(std::size_t thinned, std::size_t cropped);
 
  private:
-  double voxel_per_range_, min_voxel_, max_voxel_;
-  double smoothed_log_range_ = 0;
+  double wanted_, min_voxel_, max_voxel_;
   double voxel_ = 0;  ///< 0: no scan yet
 };
 
@@ -33,7 +37,9 @@ class VoxelScale {
 struct PreparedScan {
   PointCloud fine;    ///< one point a map voxel: becomes the keyframe
   PointCloud source;  ///< a coarser part of it: is aligned
+  double voxel = 0;   ///< metres, of `fine`
 };
-PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, double voxel, int max_source_points);
+PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, VoxelScale* scale, bool first,
+                       int max_source_points);
 
 }  // namespace scanlock

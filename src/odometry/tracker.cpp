@@ -19,7 +19,7 @@ constexpr double kMicro = 1e-6;
 
 /// A residual's variance as the filter sees it: neighbouring residuals share the error of their surface, so a scan of
 /// thousands of points knows less than as many independent measurements.
-constexpr double kVarianceInflation = 20.0;
+constexpr double kVarianceInflation = 4;
 constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is better
 
 }  // namespace
@@ -41,8 +41,8 @@ struct Tracker::State {
 
   explicit State(const TrackerConfig& c)
       : config(c),
-        scale(c.voxel_per_range, c.min_voxel_m, c.max_voxel_m),
-        map({c.max_keyframes, c.max_map_points, c.max_range_m}),
+        scale(c.map_points_per_scan, c.min_voxel_m, c.max_voxel_m),
+        map({getenv("MK")?atoi(getenv("MK")):c.max_keyframes, c.max_map_points, c.max_range_m}),
         filter(c.acceleration, c.angular_acceleration) {}
 
   void finished(Stage stage) const {
@@ -58,8 +58,8 @@ struct Tracker::State {
   ScanAlignmentOptions alignment_options(double voxel) const {
     ScanAlignmentOptions options;
     options.nu_min = 2.1 * sigma;  // 95 % efficient on Gaussian residuals
-    options.nu_max = 2.0 * voxel;
-    options.gate_margin = 1.5 * voxel;
+    options.nu_max = (getenv("NU")?atof(getenv("NU")):2.0) * voxel;
+    options.gate_margin = (getenv("GM")?atof(getenv("GM")):1.5) * voxel;
     options.sigma = sigma * std::sqrt(kVarianceInflation);
     options.threads = config.threads;
     return options;
@@ -92,8 +92,8 @@ TrackedScan Tracker::track(const Scan& scan) {
   tracked.utime = scan.utime;
   tracked.points_in = static_cast<int>(scan.points.size());
   const CroppedScan cropped = crop(scan.points, s.config.min_range_m, s.config.max_range_m);
-  const double voxel = s.scale.update(cropped.median_range);
-  const PreparedScan prepared = thin_scan(scan.points, cropped, voxel, s.config.max_source_points);
+  const PreparedScan prepared = thin_scan(scan.points, cropped, &s.scale, s.map.empty(), s.config.max_source_points);
+  const double voxel = prepared.voxel;
   s.finished(Stage::kPreprocess);
   tracked.points_used = static_cast<int>(prepared.source.size());
 
@@ -111,7 +111,7 @@ TrackedScan Tracker::track(const Scan& scan) {
   const double dt = static_cast<double>(scan.utime - s.last_utime) * kMicro;
   const MotionPrior prior = s.filter.predict(dt);
   ScanAlignment alignment = s.align(prepared.source, prior, voxel);
-  if (s.first_is_raw) {
+  if (s.first_is_raw && s.first.points.has_times()) {
     // The first scan could not be deskewed before its velocity was known: do it now, and align again.
     for (int round = 0; round < 2; ++round) {
       s.map.clear();
@@ -129,7 +129,7 @@ TrackedScan Tracker::track(const Scan& scan) {
   s.last_utime = scan.utime;
 
   const Pose moved = s.last_keyframe_pose.inverse() * s.filter.state().pose;
-  if (moved.translation().norm() > 2.0 * voxel || so3_log(moved.linear()).norm() > 0.1) {
+  if (moved.translation().norm() > (getenv("KF")?atof(getenv("KF")):2.0) * voxel || so3_log(moved.linear()).norm() > 0.1) {
     s.insert_keyframe(scan.utime, prepared.fine, s.filter.state(), voxel);
   }
   s.finished(Stage::kMap);
@@ -142,7 +142,7 @@ TrackedScan Tracker::track(const Scan& scan) {
   tracked.covariance = s.filter.covariance().topLeftCorner<6, 6>();
   tracked.iterations = alignment.iterations;
   tracked.inliers = alignment.matched;
-  tracked.energy = alignment.median_residual;
+  tracked.energy = alignment.median_residual; tracked.energy_baseline = alignment.evaluations;
   tracked.keyframes = static_cast<int>(s.map.keyframes().size());
   tracked.map_points = static_cast<int>(s.map.size());
   tracked.energy_score = static_cast<double>(alignment.searches_made) / static_cast<double>(alignment.searches_made + alignment.searches_saved);

@@ -13,9 +13,9 @@ struct TrackerConfig {
   double max_range_m = 120.0;  ///< returns farther than this are dropped
   int threads = 1;             ///< worker threads of one alignment; the result does not depend on it
 
-  double voxel_per_range = 0.045;  ///< voxel of the map over the median range of a scan
+  int map_points_per_scan = 10000;  ///< the voxel of the map is chosen to leave about so many points of a scan
   double min_voxel_m = 0.05;
-  double max_voxel_m = 0.6;
+  double max_voxel_m = 1.0;
   int max_source_points = 2500;  ///< points of a scan that are aligned
 
   double acceleration = 5.0;           ///< m/s^2 that the robot may well reach, for the prediction

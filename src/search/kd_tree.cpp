@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "search/kd_tree.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <flann/flann.hpp>
 #include <utility>
@@ -30,8 +31,10 @@ struct SquaredDistance3 {
 /// The k nearest so far, sorted; starts from a bound that is already known, so that the search prunes from its first step.
 class BoundedNearest final : public flann::ResultSet<float> {
  public:
-  BoundedNearest(Neighbour* out, int capacity, float squared_bound)
-      : out_(out), capacity_(capacity), squared_bound_(squared_bound) {}
+  BoundedNearest(Neighbour* out, int capacity, int count, float squared_bound, const std::int32_t* original)
+      : out_(out), capacity_(capacity), count_(count), squared_bound_(squared_bound), original_(original) {
+    if (count_ == capacity_) squared_bound_ = std::min(squared_bound_, out_[capacity_ - 1].squared_distance);
+  }
 
   bool full() const override { return true; }  // the bound makes an unfilled set prune as a full one does
   float worstDist() const override { return squared_bound_; }
@@ -41,7 +44,7 @@ class BoundedNearest final : public flann::ResultSet<float> {
     if (!(squared_distance < squared_bound_)) return;
     int at = count_ < capacity_ ? count_++ : capacity_ - 1;
     for (; at > 0 && out_[at - 1].squared_distance > squared_distance; --at) out_[at] = out_[at - 1];
-    out_[at] = {static_cast<std::int32_t>(index), squared_distance};
+    out_[at] = {original_[index], squared_distance};
     if (count_ == capacity_) squared_bound_ = out_[capacity_ - 1].squared_distance;
   }
 
@@ -50,8 +53,9 @@ class BoundedNearest final : public flann::ResultSet<float> {
  private:
   Neighbour* out_;
   int capacity_;
+  int count_;
   float squared_bound_;
-  int count_ = 0;
+  const std::int32_t* original_;
 };
 
 constexpr int kLeafSize = 12;
@@ -59,8 +63,8 @@ constexpr int kLeafSize = 12;
 }  // namespace
 
 struct KdTree::Index {
-  std::vector<float> coordinates;       // what FLANN refers to, three a point
-  std::vector<std::int32_t> original;   // index into the caller's cloud; empty when nothing was left out
+  std::vector<float> coordinates;      // what FLANN refers to, three a point
+  std::vector<std::int32_t> original;  // index into the caller's cloud
   std::unique_ptr<flann::KDTreeSingleIndex<SquaredDistance3>> tree;
   flann::SearchParams parameters;
   std::size_t size = 0;
@@ -68,20 +72,14 @@ struct KdTree::Index {
 
 KdTree::KdTree() : index_(std::make_unique<Index>()) {}
 
-KdTree::KdTree(const PointCloud& cloud) : KdTree() {
+KdTree::KdTree(const PointCloud& cloud, std::size_t begin, std::size_t end) : KdTree() {
   Index& index = *index_;
-  index.coordinates.reserve(3 * cloud.size());
-  bool all_finite = true;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!std::isfinite(cloud.x[i]) || !std::isfinite(cloud.y[i]) || !std::isfinite(cloud.z[i])) {
-      if (all_finite) {  // the first hole: indices no longer agree
-        for (std::size_t j = 0; j < i; ++j) index.original.push_back(static_cast<std::int32_t>(j));
-        all_finite = false;
-      }
-      continue;
-    }
+  index.coordinates.reserve(3 * (end - begin));
+  index.original.reserve(end - begin);
+  for (std::size_t i = begin; i < end; ++i) {
+    if (!std::isfinite(cloud.x[i]) || !std::isfinite(cloud.y[i]) || !std::isfinite(cloud.z[i])) continue;
     index.coordinates.insert(index.coordinates.end(), {cloud.x[i], cloud.y[i], cloud.z[i]});
-    if (!all_finite) index.original.push_back(static_cast<std::int32_t>(i));
+    index.original.push_back(static_cast<std::int32_t>(i));
   }
   index.size = index.coordinates.size() / 3;
   if (index.size == 0) return;
@@ -106,13 +104,14 @@ Neighbour KdTree::nearest(const Eigen::Vector3f& query, float max_distance) cons
 }
 
 int KdTree::k_nearest(const Eigen::Vector3f& query, int k, Neighbour* out, float max_distance) const {
+  return add_k_nearest(query, k, 0, out, max_distance);
+}
+
+int KdTree::add_k_nearest(const Eigen::Vector3f& query, int k, int count, Neighbour* out, float max_distance) const {
   const Index& index = *index_;
-  if (index.size == 0 || k <= 0 || !query.allFinite() || !(max_distance > 0)) return 0;
-  BoundedNearest found(out, k, max_distance * max_distance);
+  if (index.size == 0 || k <= 0 || !query.allFinite() || !(max_distance > 0)) return count;
+  BoundedNearest found(out, k, count, max_distance * max_distance, index.original.data());
   index.tree->findNeighbors(found, query.data(), index.parameters);
-  if (!index.original.empty()) {
-    for (int i = 0; i < found.count(); ++i) out[i].index = index.original[static_cast<std::size_t>(out[i].index)];
-  }
   return found.count();
 }
 

@@ -23,8 +23,10 @@ struct Neighbour {
 class KdTree {
  public:
   KdTree();
-  /// Copies the coordinates; points that are not finite are left out. The cloud may be empty.
-  explicit KdTree(const PointCloud& cloud);
+  /// Copies the coordinates of points [begin, end) of the cloud; points that are not finite are left out, and there need
+  /// not be any. Answers are indices into the whole cloud.
+  KdTree(const PointCloud& cloud, std::size_t begin, std::size_t end);
+  explicit KdTree(const PointCloud& cloud) : KdTree(cloud, 0, cloud.size()) {}
   ~KdTree();
   KdTree(KdTree&&) noexcept;
   KdTree& operator=(KdTree&&) noexcept;
@@ -38,6 +40,9 @@ class KdTree {
   /// The `k` nearest nearer than `max_distance`, nearest first, into `out` (room for k). Returns how many there are.
   int k_nearest(const Eigen::Vector3f& query, int k, Neighbour* out,
                 float max_distance = std::numeric_limits<float>::infinity()) const;
+
+  /// The same, joined with `count` neighbours that are in `out` already (from another tree, nearest first).
+  int add_k_nearest(const Eigen::Vector3f& query, int k, int count, Neighbour* out, float max_distance) const;
 
  private:
   struct Index;

@@ -13,11 +13,25 @@ namespace scanlock {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kKnot = 0.05;    // seconds between knots
-constexpr double kMargin = 1.0;   // seconds that the motion is defined before its start and after its end
+constexpr double kKnot = 0.05;   // seconds between knots
+constexpr double kMargin = 1.0;  // seconds that the motion is defined before its start and after its end
 constexpr double kMinimumKidnap = 3, kMaximumKidnap = 15;  // metres
 
-double knot_time(std::size_t i) { return kKnot * static_cast<double>(i) - kMargin; }
+double knot_time(std::size_t i) {
+  return kKnot * static_cast<double>(i) - kMargin;
+}
+
+/// Over 2 half + 1 knots; beyond its ends the series stands still.
+std::vector<double> moving_average(const std::vector<double>& in, int half) {
+  const int n = static_cast<int>(in.size());
+  std::vector<double> out(in.size());
+  for (int k = 0; k < n; ++k) {
+    double sum = 0;
+    for (int j = -half; j <= half; ++j) sum += in[std::clamp(k + j, 0, n - 1)];
+    out[k] = sum / (2 * half + 1);
+  }
+  return out;
+}
 
 /// The speed wanted at each step of the route: cruise, bends and stops, before accelerations are limited.
 struct SpeedPlan {
@@ -53,8 +67,10 @@ SpeedPlan plan_speeds(const Polyline& route, const DriveStyle& style, Random& ra
   return plan;
 }
 
-/// Arc length at each knot: the plan with limited acceleration, then smoothed in time so that jerk is limited too.
-std::vector<double> drive_distances(const Polyline& route, const DriveStyle& style, double seconds, Random& random) {
+/// Arc length at each knot: the plan with limited acceleration, then smoothed in time so that jerk is limited
+/// too.
+std::vector<double> drive_distances(const Polyline& route, const DriveStyle& style, double seconds,
+                                    Random& random) {
   SpeedPlan plan = plan_speeds(route, style, random);
   std::vector<double>& v = plan.limit;
   for (std::size_t i = 1; i < v.size(); ++i)
@@ -82,17 +98,7 @@ std::vector<double> drive_distances(const Polyline& route, const DriveStyle& sty
     }
     distance[k] = s;
   }
-  for (int pass = 0; pass < 3; ++pass) {  // three moving averages of 0.55 s
-    constexpr int kHalf = 5;
-    std::vector<double> smooth(distance.size());
-    for (int k = 0; k < static_cast<int>(knots); ++k) {
-      double sum = 0;
-      for (int j = -kHalf; j <= kHalf; ++j)
-        sum += distance[std::clamp(k + j, 0, static_cast<int>(knots) - 1)];
-      smooth[k] = sum / (2 * kHalf + 1);
-    }
-    distance = smooth;
-  }
+  for (int pass = 0; pass < 3; ++pass) distance = moving_average(distance, 3);
   return distance;
 }
 
@@ -152,43 +158,68 @@ class PoseMaker {
         pitch_(style, random),
         heave_(style, random) {}
 
-  /// `back` metres behind on the route, turned by `turn`.
-  Vector6 control(std::size_t k, double back, double turn) const {
-    const double t = knot_time(k), s = std::max(0.0, distance_[k] - back);
-    const std::size_t before = k > 0 ? k - 1 : 0, after = std::min(k + 1, distance_.size() - 1);
-    const double speed = (distance_[after] - distance_[before]) / (2 * kKnot);
-    const double acceleration = (distance_[after] - 2 * distance_[k] + distance_[before]) / (kKnot * kKnot);
-    const double turning = (route_.heading(distance_[after] - back) - route_.heading(distance_[before] - back)) /
-                           (2 * kKnot);
-    const double liveliness = std::min(1.0, speed / style_.fast_mps);
-
-    const Eigen::Vector2d place = route_.at(s);
-    const double yaw = route_.heading(s) + turn;
-    const Eigen::Vector2d ahead = style_.wheelbase / 2 * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
-    const Eigen::Vector2d left(-ahead.y(), ahead.x());
-    const auto ground = [&](const Eigen::Vector2d& p) { return terrain_.height(p.x(), p.y()); };
-    const double front = ground(place + ahead), back_end = ground(place - ahead);
-    const double left_side = ground(place + left), right_side = ground(place - left);
-
-    const Eigen::Vector3d shake = shaking(events_, t);
-    // Braking dips the nose (positive pitch), a left bend lifts the left side (positive roll).
-    const double roll = std::atan2(left_side - right_side, style_.wheelbase) + 0.006 * speed * turning +
-                        style_.sway * liveliness * roll_.at(t) + shake.x();
-    const double pitch = -std::atan2(front - back_end, style_.wheelbase) - 0.006 * acceleration +
-                         style_.sway * liveliness * pitch_.at(t) + shake.y();
-    const double height = (front + back_end + left_side + right_side) / 4 + style_.heave * liveliness * heave_.at(t);
-
-    const Eigen::Matrix3d tilt = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-                                  Eigen::AngleAxisd(pitch - shake.y(), Eigen::Vector3d::UnitY()) *
-                                  Eigen::AngleAxisd(roll - shake.x(), Eigen::Vector3d::UnitX()))
-                                     .toRotationMatrix();
-    Vector6 control;
-    control.head<3>() = Eigen::Vector3d(place.x(), place.y(), height) + tilt.col(2) * style_.sensor_height;
-    control.tail<3>() = Eigen::Vector3d(roll, pitch, yaw + shake.z());
-    return control;
+  /// The drive, `back` metres behind on the route and turned by `turn`.
+  std::vector<Vector6> controls(double back, double turn) const {
+    const Footing footing = stand(back, turn);
+    std::vector<Vector6> controls;
+    controls.reserve(distance_.size());
+    for (std::size_t k = 0; k < distance_.size(); ++k) controls.push_back(control(k, back, turn, footing));
+    return controls;
   }
 
  private:
+  /// How the carrier stands on the ground at each knot, evened out by its springs or legs.
+  struct Footing {
+    std::vector<double> height, roll, pitch;
+  };
+
+  double arc(std::size_t k, double back) const { return std::max(0.0, distance_[k] - back); }
+
+  Footing stand(double back, double turn) const {
+    Footing footing;
+    for (std::size_t k = 0; k < distance_.size(); ++k) {
+      const Eigen::Vector2d place = route_.at(arc(k, back));
+      const double yaw = route_.heading(arc(k, back)) + turn;
+      const Eigen::Vector2d ahead = style_.wheelbase / 2 * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
+      const Eigen::Vector2d left(-ahead.y(), ahead.x());
+      const auto ground = [&](const Eigen::Vector2d& p) { return terrain_.height(p.x(), p.y()); };
+      const double front = ground(place + ahead), rear = ground(place - ahead);
+      const double left_side = ground(place + left), right_side = ground(place - left);
+      footing.height.push_back((front + rear + left_side + right_side) / 4);
+      footing.roll.push_back(std::atan2(left_side - right_side, style_.wheelbase));
+      footing.pitch.push_back(-std::atan2(front - rear, style_.wheelbase));
+    }
+    for (std::vector<double>* series : {&footing.height, &footing.roll, &footing.pitch})
+      for (int pass = 0; pass < 3; ++pass) *series = moving_average(*series, 3);
+    return footing;
+  }
+
+  Vector6 control(std::size_t k, double back, double turn, const Footing& footing) const {
+    const double t = knot_time(k), s = arc(k, back);
+    const std::size_t before = k > 0 ? k - 1 : 0, after = std::min(k + 1, distance_.size() - 1);
+    const double speed = (distance_[after] - distance_[before]) / (2 * kKnot);
+    const double acceleration = (distance_[after] - 2 * distance_[k] + distance_[before]) / (kKnot * kKnot);
+    const double turning =
+        (route_.heading(arc(after, back)) - route_.heading(arc(before, back))) / (2 * kKnot);
+    const double liveliness = std::min(1.0, speed / style_.fast_mps);
+
+    // Braking dips the nose (positive pitch), a left bend lifts the left side (positive roll).
+    const double roll = footing.roll[k] + 0.006 * speed * turning + style_.sway * liveliness * roll_.at(t);
+    const double pitch = footing.pitch[k] - 0.006 * acceleration + style_.sway * liveliness * pitch_.at(t);
+    const double yaw = route_.heading(s) + turn;
+    const Eigen::Vector3d up = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+                                Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+                                Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
+                                   .toRotationMatrix()
+                                   .col(2);
+    const Eigen::Vector2d place = route_.at(s);
+    const double height = footing.height[k] + style_.heave * liveliness * heave_.at(t);
+    Vector6 control;
+    control.head<3>() = Eigen::Vector3d(place.x(), place.y(), height) + style_.sensor_height * up;
+    control.tail<3>() = Eigen::Vector3d(roll, pitch, yaw) + shaking(events_, t);
+    return control;
+  }
+
   const Polyline& route_;
   const Terrain& terrain_;
   const DriveStyle& style_;
@@ -229,10 +260,7 @@ Drive::Drive(const Polyline& route, const Terrain& terrain, const DriveStyle& st
       back += kidnap_distance(route, distance(begin) - back, begin, random);
       turn += random.uniform(-kPi, kPi);
     }
-    std::vector<Vector6> control;
-    control.reserve(distance_.size());
-    for (std::size_t k = 0; k < distance_.size(); ++k) control.push_back(maker.control(k, back, turn));
-    pieces_.push_back({begin, PoseSpline(kKnot - kMargin, kKnot, std::move(control))});
+    pieces_.push_back({begin, PoseSpline(kKnot - kMargin, kKnot, maker.controls(back, turn))});
   }
 }
 

@@ -14,15 +14,15 @@ namespace scanlock {
 
 /// How a carrier of the sensor moves. Metres, seconds, radians.
 struct DriveStyle {
-  double slow_mps = 8, fast_mps = 14;     ///< the cruising speed wanders between these
-  double accelerate = 2, brake = 2.5;     ///< m/s^2
-  double lateral = 3;                     ///< greatest lateral acceleration in bends, m/s^2
-  double yaw_rate = 0.7;                  ///< greatest turning rate, rad/s
-  double stop_every_m = 0;                ///< mean distance between stops of 2 to 6 s; 0: none
-  double sensor_height = 1.8;             ///< above the ground
-  double wheelbase = 2.7;                 ///< it tilts with the ground over this length
-  double sway = 0.004, heave = 0.008;     ///< amplitudes of roll and pitch (rad) and of height (m) at full speed
-  double slowest_hz = 0.8, fastest_hz = 4;  ///< of sway and heave
+  double slow_mps = 8, fast_mps = 14;  ///< the cruising speed wanders between these
+  double accelerate = 2, brake = 2.5;  ///< m/s^2
+  double lateral = 3;                  ///< greatest lateral acceleration in bends, m/s^2
+  double yaw_rate = 0.7;               ///< greatest turning rate, rad/s
+  double stop_every_m = 0;             ///< mean distance between stops of 2 to 6 s; 0: none
+  double sensor_height = 1.8;          ///< above the ground
+  double wheelbase = 2.7;              ///< it tilts with the ground over this length
+  double sway = 0.003, heave = 0.006;  ///< amplitudes of roll and pitch (rad) and of height (m) at full speed
+  double slowest_hz = 0.7, fastest_hz = 2.5;  ///< of sway and heave
 };
 
 /// A drive along a route: speeds, stops, suspension, and the events that move the sensor.

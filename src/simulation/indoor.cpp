@@ -15,8 +15,8 @@ constexpr double kWall = 0.15, kDoor = 1.1, kDoorHeight = 2.1;
 /// One floor of an office: corridors in two directions, and between four of them a block of two rooms,
 /// each with a door to the corridor below and one to the corridor above.
 struct Floor {
-  double ceiling, corridor;          // height and width
-  std::vector<double> x, y;          // middles of the corridors
+  double ceiling, corridor;                             // height and width
+  std::vector<double> x, y;                             // middles of the corridors
   std::vector<std::vector<std::vector<double>>> doors;  // x of the doors of each block [column][row][room]
 };
 
@@ -44,7 +44,8 @@ Floor plan_floor(Random& random) {
   return floor;
 }
 
-void add_block(Scene& scene, double x0, double x1, double y0, double y1, double z0, double z1, double reflectivity) {
+void add_block(Scene& scene, double x0, double x1, double y0, double y1, double z0, double z1,
+               double reflectivity) {
   scene.add(Box::upright({(x0 + x1) / 2, (y0 + y1) / 2, z0}, 0, {x1 - x0, y1 - y0, z1 - z0}, reflectivity));
 }
 
@@ -61,12 +62,14 @@ void add_wall_with_doors(Scene& scene, const Floor& floor, double x0, double x1,
 }
 
 void add_table(Scene& scene, const Eigen::Vector2d& p, double yaw, Random& random) {
-  const double length = random.uniform(0.9, 1.7), width = random.uniform(0.6, 0.9), height = random.uniform(0.68, 0.78);
+  const double length = random.uniform(0.9, 1.7), width = random.uniform(0.6, 0.9),
+               height = random.uniform(0.68, 0.78);
   scene.add(Box::upright({p.x(), p.y(), height - 0.03}, yaw, {length, width, 0.03}, 0.5));
   const Eigen::Rotation2Dd turn(yaw);
   for (const double sx : {-1.0, 1.0})
     for (const double sy : {-1.0, 1.0}) {
-      const Eigen::Vector2d leg = p + turn * Eigen::Vector2d(sx * (length / 2 - 0.05), sy * (width / 2 - 0.05));
+      const Eigen::Vector2d leg =
+          p + turn * Eigen::Vector2d(sx * (length / 2 - 0.05), sy * (width / 2 - 0.05));
       scene.add(Cylinder{{leg.x(), leg.y(), 0}, Eigen::Vector3d::UnitZ(), height - 0.03, 0.03, 0.5});
     }
   if (random.chance(0.6))  // a screen on it
@@ -75,19 +78,21 @@ void add_table(Scene& scene, const Eigen::Vector2d& p, double yaw, Random& rando
 
 /// Furniture between x0..x1, y0..y1, but not within 0.75 m of the way from door to door.
 void furnish_room(Scene& scene, double x0, double x1, double y0, double y1, double door, Random& random) {
-  const int pieces = random.integer(4, 9);
-  for (int i = 0; i < pieces; ++i) {
+  const int pieces = random.integer(5, 11);
+  for (int attempt = 0, placed = 0; attempt < 40 && placed < pieces; ++attempt) {
     const bool against_wall = random.chance(0.5), left = random.chance(0.5);
     Eigen::Vector2d p(random.uniform(x0 + 0.6, x1 - 0.6), random.uniform(y0 + 0.6, y1 - 0.6));
     if (against_wall) p.x() = left ? x0 + 0.25 : x1 - 0.25;
     if (std::abs(p.x() - door) < (against_wall ? 1.1 : 1.75)) continue;
+    ++placed;
     const Eigen::Vector3d place(p.x(), p.y(), 0);
     if (against_wall) {  // a cupboard or a shelf
       scene.add(Box::upright(place, 0, {0.45, random.uniform(0.6, 1.6), random.uniform(0.8, 2.1)}, 0.45));
     } else if (random.chance(0.6)) {
       add_table(scene, p, random.uniform(0, 3.14), random);
     } else if (random.chance(0.5)) {  // a chair
-      scene.add(Box::upright(place + Eigen::Vector3d(0, 0, 0.38), random.uniform(0, 3), {0.42, 0.42, 0.08}, 0.3));
+      scene.add(
+          Box::upright(place + Eigen::Vector3d(0, 0, 0.38), random.uniform(0, 3), {0.42, 0.42, 0.08}, 0.3));
       scene.add(Cylinder{place, Eigen::Vector3d::UnitZ(), 0.4, 0.05, 0.3});
       scene.add(Box::upright(place + Eigen::Vector3d(0.2, 0, 0.46), 0, {0.05, 0.42, 0.45}, 0.3));
     } else {  // a column
@@ -110,14 +115,17 @@ void add_rooms(Scene& scene, const Floor& floor, int column, int row, Random& ra
     for (const bool top : {false, true})
       if (random.chance(0.7)) {
         const double y = top ? y1 - kWall - 0.5 : y0 + kWall + 0.5;
-        scene.add(Box::upright({door - kDoor / 2 - 0.03, y, 0}, random.uniform(-0.05, 0.05), {0.04, 0.95, 2.05}, 0.4));
+        scene.add(Box::upright({door - kDoor / 2 - 0.03, y, 0}, random.uniform(-0.05, 0.05),
+                               {0.04, 0.95, 2.05}, 0.4));
       }
   furnish_room(scene, x0 + kWall, split - kWall / 2, y0 + kWall, y1 - kWall, doors[0], random);
   furnish_room(scene, split + kWall / 2, x1 - kWall, y0 + kWall, y1 - kWall, doors[1], random);
   if (random.chance(0.6))  // something on the corridor's wall, between the doors
-    add_block(scene, split - 0.6, split + 0.6, y1, y1 + random.uniform(0.15, 0.35), 0, random.uniform(0.9, 2), 0.5);
+    add_block(scene, split - 0.6, split + 0.6, y1, y1 + random.uniform(0.15, 0.35), 0, random.uniform(0.9, 2),
+              0.5);
   if (random.chance(0.4))
-    add_block(scene, x1, x1 + 0.25, y0 + 1, y0 + 1 + random.uniform(0.5, 1.5), 0, random.uniform(0.9, 2), 0.5);
+    add_block(scene, x1, x1 + 0.25, y0 + 1, y0 + 1 + random.uniform(0.5, 1.5), 0, random.uniform(0.9, 2),
+              0.5);
 }
 
 void add_outer_walls(Scene& scene, const Floor& floor) {
@@ -176,7 +184,8 @@ World make_indoor(std::uint64_t seed, double seconds, const DriveStyle& style) {
   const Floor floor = plan_floor(random);
   World world;
   world.style = style;
-  world.scene = Scene(Terrain({-4, -4}, {floor.x.back() + 4, floor.y.back() + 4}, 1, [](double, double) { return 0.0; }));
+  world.scene = Scene(
+      Terrain({-4, -4}, {floor.x.back() + 4, floor.y.back() + 4}, 1, [](double, double) { return 0.0; }));
   world.scene.set_ceiling(floor.ceiling);
   add_outer_walls(world.scene, floor);
   for (int column = 0; column + 1 < kCorridors; ++column)

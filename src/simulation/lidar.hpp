@@ -25,9 +25,9 @@ struct LidarModel {
   LidarKind kind = LidarKind::kVlp16;
   double period_s = 0.1;
   double min_range = 0.5, max_range = 100;
-  double noise = 0.02;         ///< standard deviation of a range
-  double quantum = 0.002;      ///< ranges are whole multiples of it
-  double dropout = 0.01;       ///< share of good returns that go missing at random
+  double noise = 0.02;     ///< standard deviation of a range
+  double quantum = 0.002;  ///< ranges are whole multiples of it
+  double dropout = 0.01;   ///< share of good returns that go missing at random
 
   static LidarModel of(LidarKind kind);
 

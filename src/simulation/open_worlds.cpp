@@ -47,7 +47,8 @@ class Hills {
   }
   double operator()(double x, double y) const {
     double sum = 0;
-    for (const Wave& wave : waves_) sum += wave.height * std::sin(wave.number.dot(Eigen::Vector2d(x, y)) + wave.phase);
+    for (const Wave& wave : waves_)
+      sum += wave.height * std::sin(wave.number.dot(Eigen::Vector2d(x, y)) + wave.phase);
     return sum;
   }
 
@@ -72,7 +73,8 @@ void add_forest_tree(Scene& scene, const Eigen::Vector3d& place, Random& random)
   trunk.radius = random.uniform(0.07, 0.32);
   scene.add(trunk);
   const double wide = random.uniform(1.2, 2.8), high = random.uniform(2, 4);
-  scene.add(Ellipsoid{trunk.base + trunk.length * trunk.axis, {wide, wide, high}, random.uniform(0.3, 0.9), 0.3});
+  scene.add(
+      Ellipsoid{trunk.base + trunk.length * trunk.axis, {wide, wide, high}, random.uniform(0.3, 0.9), 0.3});
 }
 
 }  // namespace
@@ -116,14 +118,16 @@ World make_field(std::uint64_t seed, double seconds, const DriveStyle& style) {
   world.scene = Scene(Terrain({-kReach, -kReach}, {kReach, kReach}, 2, hills));
   for (int i = 0; i < 14; ++i) {  // far bushes, hay bales and poles, and one barn
     const double angle = random.uniform(0, 2 * kPi), radius = random.uniform(95, 150);
-    const Eigen::Vector3d place = on_ground(world.scene, radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    const Eigen::Vector3d place =
+        on_ground(world.scene, radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
     const double yaw = random.uniform(0, kPi);
     if (i == 0) {
       world.scene.add(Box::upright(place - Eigen::Vector3d(0, 0, 2), yaw, {18, 9, 8}, 0.5));
     } else if (i < 5) {
       world.scene.add(Ellipsoid{place, {3, 3, 4}, 1.0, 0.3});
     } else if (i < 10) {
-      world.scene.add(Cylinder{place + Eigen::Vector3d(0, 0, 0.6), {std::cos(yaw), std::sin(yaw), 0}, 1.3, 0.65, 0.5});
+      world.scene.add(
+          Cylinder{place + Eigen::Vector3d(0, 0, 0.6), {std::cos(yaw), std::sin(yaw), 0}, 1.3, 0.65, 0.5});
     } else {
       world.scene.add(Cylinder{place, Eigen::Vector3d::UnitZ(), 8, 0.12, 0.5});
     }
@@ -182,10 +186,12 @@ World make_tunnel(std::uint64_t seed, double seconds, const DriveStyle& style) {
   // The portal, and something to see before it.
   const Eigen::Vector3d portal = on_ground(world.scene, axis.at(kPortal));
   for (const double side : {-1.0, 1.0}) {
-    world.scene.add(Box::upright(portal + Eigen::Vector3d(0.5, side * (kHalfWidth + 4), -2), 0, {1, 8, 12}, 0.6));
+    world.scene.add(
+        Box::upright(portal + Eigen::Vector3d(0.5, side * (kHalfWidth + 4), -2), 0, {1, 8, 12}, 0.6));
     for (int i = 0; i < 6; ++i) {
       const Eigen::Vector2d p(random.uniform(-40, kPortal - 4), side * random.uniform(7, 25));
-      world.scene.add(Box::upright(on_ground(world.scene, p) - Eigen::Vector3d(0, 0, 1), random.uniform(0, kPi),
+      world.scene.add(Box::upright(on_ground(world.scene, p) - Eigen::Vector3d(0, 0, 1),
+                                   random.uniform(0, kPi),
                                    {random.uniform(2, 9), random.uniform(2, 6), random.uniform(2, 7)}, 0.5));
     }
   }

@@ -11,7 +11,8 @@ namespace {
 
 Eigen::Matrix3d rotation_of(const Vector6& q) {
   return (Eigen::AngleAxisd(q[5], Eigen::Vector3d::UnitZ()) *
-          Eigen::AngleAxisd(q[4], Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(q[3], Eigen::Vector3d::UnitX()))
+          Eigen::AngleAxisd(q[4], Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(q[3], Eigen::Vector3d::UnitX()))
       .toRotationMatrix();
 }
 
@@ -58,6 +59,8 @@ Vector6 PoseSpline::twist(double t) const {
   return twist;
 }
 
-Eigen::Vector3d PoseSpline::acceleration(double t) const { return evaluate(t, 2).head<3>(); }
+Eigen::Vector3d PoseSpline::acceleration(double t) const {
+  return evaluate(t, 2).head<3>();
+}
 
 }  // namespace scanlock

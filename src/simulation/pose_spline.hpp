@@ -8,8 +8,8 @@
 
 namespace scanlock {
 
-/// A motion as a uniform cubic B-spline over x, y, z, roll, pitch, yaw (world from body = T(x, y, z) Rz Ry Rx):
-/// position and attitude have continuous velocity and acceleration, all of them in closed form.
+/// A motion as a uniform cubic B-spline over x, y, z, roll, pitch, yaw (world from body = T(x, y, z) Rz Ry
+/// Rx): position and attitude have continuous velocity and acceleration, all of them in closed form.
 class PoseSpline {
  public:
   PoseSpline() = default;

@@ -15,7 +15,9 @@ inline std::uint64_t mix_bits(std::uint64_t x) {
 }
 
 /// A number in [0, 1) from 64 random bits.
-inline double unit_interval(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
+inline double unit_interval(std::uint64_t bits) {
+  return static_cast<double>(bits >> 11) * 0x1p-53;
+}
 
 /// Random numbers that are the same on every machine, which the distributions of <random> are not.
 class Random {

@@ -70,6 +70,8 @@ void Scene::build() {
     const auto cell_of = [&](double value, double low) {
       return static_cast<int>(std::floor((value - low) / terrain_.cell()));
     };
+    const auto lowest = static_cast<float>(bounds.min().z() - 1e-3);
+    const auto highest = static_cast<float>(bounds.max().z() + 1e-3);
     const int left = std::max(0, cell_of(bounds.min().x(), terrain_.low().x()));
     const int right = std::min(columns - 1, cell_of(bounds.max().x(), terrain_.low().x()));
     const int bottom = std::max(0, cell_of(bounds.min().y(), terrain_.low().y()));
@@ -77,9 +79,9 @@ void Scene::build() {
     for (int row = bottom; row <= top; ++row)
       for (int column = left; column <= right; ++column) {
         Cell& cell = cells_[row * columns + column];
-        lists[row * columns + column].push_back({kind, static_cast<std::uint32_t>(index)});
-        cell.lowest = std::min(cell.lowest, static_cast<float>(bounds.min().z() - 1e-3));
-        cell.highest = std::max(cell.highest, static_cast<float>(bounds.max().z() + 1e-3));
+        lists[row * columns + column].push_back({kind, static_cast<std::uint32_t>(index), lowest, highest});
+        cell.lowest = std::min(cell.lowest, lowest);
+        cell.highest = std::max(cell.highest, highest);
       }
   };
   for (std::size_t i = 0; i < boxes_.size(); ++i) enlist(Kind::kBox, i, bounds_of(boxes_[i]));
@@ -94,15 +96,18 @@ void Scene::build() {
   }
 }
 
-void Scene::intersect_cell(int column, int row, const Ray& ray, double enter, double leave, std::uint64_t seed,
-                           Hit& hit) const {
+void Scene::intersect_cell(int column, int row, const Ray& ray, double enter, double leave,
+                           std::uint64_t seed, Hit& hit) const {
   const Cell& cell = cells_[row * terrain_.columns() + column];
   const double z_enter = ray.origin.z() + enter * ray.direction.z();
   const double z_leave = ray.origin.z() + leave * ray.direction.z();
-  if (std::min(z_enter, z_leave) > cell.highest || std::max(z_enter, z_leave) < cell.lowest) return;
+  const auto lower = static_cast<float>(std::min(z_enter, z_leave));
+  const auto upper = static_cast<float>(std::max(z_enter, z_leave));
+  if (lower > cell.highest || upper < cell.lowest) return;
   terrain_.intersect_cell(column, row, ray, enter, leave, hit);
   for (std::uint32_t i = cell.begin; i < cell.end; ++i) {
     const Item& item = items_[i];
+    if (lower > item.highest || upper < item.lowest) continue;
     if (item.kind == Kind::kBox) {
       intersect(boxes_[item.index], ray, hit);
     } else if (item.kind == Kind::kCylinder) {

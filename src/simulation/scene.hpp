@@ -45,6 +45,7 @@ class Scene {
   struct Item {
     Kind kind;
     std::uint32_t index;
+    float lowest, highest;  // heights that the shape reaches
   };
   struct Cell {
     std::uint32_t begin = 0, end = 0;  // of items_

@@ -9,7 +9,8 @@
 
 namespace scanlock {
 
-Box Box::upright(const Eigen::Vector3d& bottom, double yaw, const Eigen::Vector3d& size, double reflectivity) {
+Box Box::upright(const Eigen::Vector3d& bottom, double yaw, const Eigen::Vector3d& size,
+                 double reflectivity) {
   Box box;
   box.half = size / 2;
   box.centre = bottom + Eigen::Vector3d(0, 0, size.z() / 2);

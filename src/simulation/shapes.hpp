@@ -26,7 +26,7 @@ struct Hit {
 struct Box {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Eigen::Matrix3d world_from_box = Eigen::Matrix3d::Identity();  ///< a rotation
-  Eigen::Vector3d half = Eigen::Vector3d::Ones();                                          ///< half the edge lengths
+  Eigen::Vector3d half = Eigen::Vector3d::Ones();                ///< half the edge lengths
   double reflectivity = 0.4;
 
   /// Turned about the vertical only; `bottom` is the centre of its lower face, `size` its full edge lengths.
@@ -51,7 +51,8 @@ struct Ellipsoid {
   double reflectivity = 0.3;
 };
 
-/// Each of these makes `hit` nearer when the ray meets the shape before `hit.range`, and else leaves it alone.
+/// Each of these makes `hit` nearer when the ray meets the shape before `hit.range`, and else leaves it
+/// alone.
 void intersect(const Box& box, const Ray& ray, Hit& hit);
 void intersect(const Cylinder& cylinder, const Ray& ray, Hit& hit);
 /// `random_bits` chooses the free path: the same bits give the same hit.

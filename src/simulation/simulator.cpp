@@ -12,8 +12,8 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kBlock = 2048;     // beams that share a random stream
-constexpr std::uint64_t kNoise = 1000;   // first stream of the noise, one a sweep
+constexpr std::size_t kBlock = 2048;    // beams that share a random stream
+constexpr std::uint64_t kNoise = 1000;  // first stream of the noise, one a sweep
 
 SimulationConfig checked(const SimulationConfig& config) {
   if (!(config.seconds > 0) || config.seconds > 36000)
@@ -61,7 +61,8 @@ bool Simulator::event_active(EventKind kind, double t) const {
 }
 
 std::optional<SimulatedScan> Simulator::next() {
-  while (sweep_ < sweeps() && event_active(EventKind::kDropout, static_cast<double>(sweep_) * lidar_.period_s))
+  while (sweep_ < sweeps() &&
+         event_active(EventKind::kDropout, static_cast<double>(sweep_) * lidar_.period_s))
     ++sweep_;
   if (sweep_ >= sweeps()) return std::nullopt;
   if (!lidar_.repeats()) beams_ = lidar_.sweep(sweep_);
@@ -94,7 +95,8 @@ SimulatedScan Simulator::make_scan(std::int64_t sweep) const {
   const std::size_t threads = std::min(blocks, static_cast<std::size_t>(config_.threads));
   const auto work = [&](std::size_t worker) {
     for (std::size_t block = worker; block < blocks; block += threads)
-      cast_beams(sweep, stamp, movers, block * kBlock, std::min(beams_.size(), (block + 1) * kBlock), returns.data());
+      cast_beams(sweep, stamp, movers, block * kBlock, std::min(beams_.size(), (block + 1) * kBlock),
+                 returns.data());
   };
   for (std::size_t i = 1; i < threads; ++i) workers.push_back(std::async(std::launch::async, work, i));
   work(0);
@@ -161,7 +163,8 @@ std::vector<Simulator::Moving> Simulator::movers_near(const Eigen::Vector3d& sen
   return near;
 }
 
-Hit Simulator::cast(const Ray& ray, double since, const std::vector<Moving>& movers, std::uint64_t seed) const {
+Hit Simulator::cast(const Ray& ray, double since, const std::vector<Moving>& movers,
+                    std::uint64_t seed) const {
   Hit hit = world_.scene.cast(ray, lidar_.max_range, seed);
   const Eigen::Vector2d flat = ray.direction.head<2>();
   for (const Moving& mover : movers) {
@@ -175,8 +178,8 @@ Hit Simulator::cast(const Ray& ray, double since, const std::vector<Moving>& mov
   return hit;
 }
 
-void Simulator::cast_beams(std::int64_t sweep, double stamp, const std::vector<Moving>& movers, std::size_t begin,
-                           std::size_t end, Return* returns) const {
+void Simulator::cast_beams(std::int64_t sweep, double stamp, const std::vector<Moving>& movers,
+                           std::size_t begin, std::size_t end, Return* returns) const {
   const double sweep_begin = static_cast<double>(sweep) * lidar_.period_s;
   const PoseSpline& motion = drive_.piece(drive_.piece_at(sweep_begin));
   const bool half_view = event_active(EventKind::kHalfView, sweep_begin);

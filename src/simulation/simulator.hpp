@@ -23,16 +23,17 @@ struct SimulationConfig {
   std::vector<SimulationEvent> events;
   double speed_mps = 0;           ///< cruising speed; 0: the world's own
   std::optional<double> noise_m;  ///< standard deviation of ranges; nothing: the sensor's own
-  bool motion_distortion = true;  ///< false: all points of a scan are taken at its stamp, and their times are 0
-  bool stamp_at_end = false;      ///< stamps the end of the sweep instead of its begin
-  int threads = 1;                ///< the result does not depend on it
+  bool motion_distortion =
+      true;                   ///< false: all points of a scan are taken at its stamp, and their times are 0
+  bool stamp_at_end = false;  ///< stamps the end of the sweep instead of its begin
+  int threads = 1;            ///< the result does not depend on it
 };
 
 struct SimulatedScan {
   Scan scan;                                ///< with intensity (0 to 255) and time
   Pose world_from_body = Pose::Identity();  ///< exact, at scan.utime
-  Vector6 twist = Vector6::Zero();          ///< exact body velocity [m/s; rad/s] at scan.utime, in the body frame
-  double time_s = 0;                        ///< scan.utime in seconds since the start of the drive
+  Vector6 twist = Vector6::Zero();  ///< exact body velocity [m/s; rad/s] at scan.utime, in the body frame
+  double time_s = 0;                ///< scan.utime in seconds since the start of the drive
 };
 
 /// A LiDAR that is driven through a world. Each ray starts from the exact pose at its own time of firing.

@@ -22,24 +22,27 @@ Terrain::Terrain(const Eigen::Vector2d& low, const Eigen::Vector2d& high, double
 double Terrain::height(double x, double y) const {
   const double u = std::clamp((x - low_.x()) / cell_, 0.0, static_cast<double>(columns_));
   const double v = std::clamp((y - low_.y()) / cell_, 0.0, static_cast<double>(rows_));
-  const int column = std::min(static_cast<int>(u), columns_ - 1), row = std::min(static_cast<int>(v), rows_ - 1);
+  const int column = std::min(static_cast<int>(u), columns_ - 1),
+            row = std::min(static_cast<int>(v), rows_ - 1);
   const double a = u - column, b = v - row;
   return (1 - b) * ((1 - a) * corner(column, row) + a * corner(column + 1, row)) +
          b * ((1 - a) * corner(column, row + 1) + a * corner(column + 1, row + 1));
 }
 
 double Terrain::highest(int column, int row) const {
-  return std::max({corner(column, row), corner(column + 1, row), corner(column, row + 1),
-                   corner(column + 1, row + 1)});
+  return std::max(
+      {corner(column, row), corner(column + 1, row), corner(column, row + 1), corner(column + 1, row + 1)});
 }
 
 double Terrain::lowest(int column, int row) const {
-  return std::min({corner(column, row), corner(column + 1, row), corner(column, row + 1),
-                   corner(column + 1, row + 1)});
+  return std::min(
+      {corner(column, row), corner(column + 1, row), corner(column, row + 1), corner(column + 1, row + 1)});
 }
 
-void Terrain::intersect_cell(int column, int row, const Ray& ray, double enter, double leave, Hit& hit) const {
-  // In cell units the patch is z = z0 + zu u + zv v + zuv u v, so that its height along the ray is a parabola.
+void Terrain::intersect_cell(int column, int row, const Ray& ray, double enter, double leave,
+                             Hit& hit) const {
+  // In cell units the patch is z = z0 + zu u + zv v + zuv u v, so that its height along the ray is a
+  // parabola.
   const double z0 = corner(column, row), zu = corner(column + 1, row) - z0, zv = corner(column, row + 1) - z0;
   const double zuv = corner(column + 1, row + 1) - z0 - zu - zv;
   const double u = (ray.origin.x() - low_.x()) / cell_ - column, du = ray.direction.x() / cell_;
@@ -62,8 +65,7 @@ void Terrain::intersect_cell(int column, int row, const Ray& ray, double enter, 
   const double hit_u = u + range * du, hit_v = v + range * dv;
   hit.range = range;
   hit.found = true;
-  hit.normal =
-      Eigen::Vector3d(-(zu + zuv * hit_v) / cell_, -(zv + zuv * hit_u) / cell_, 1).normalized();
+  hit.normal = Eigen::Vector3d(-(zu + zuv * hit_v) / cell_, -(zv + zuv * hit_u) / cell_, 1).normalized();
   hit.reflectivity = 0.2;
 }
 

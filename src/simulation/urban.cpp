@@ -52,7 +52,8 @@ void add_parked_car(Scene& scene, const Eigen::Vector3d& place, double yaw, Rand
   const double length = random.uniform(3.7, 4.8);
   const Eigen::Vector3d back = random.uniform(0.1, 0.6) * Eigen::Vector3d(-std::cos(yaw), -std::sin(yaw), 0);
   scene.add(Box::upright(place + 0.22 * up, yaw, {length, 1.78, 0.65}, paint));
-  scene.add(Box::upright(place + back + 0.87 * up, yaw, {0.52 * length, 1.5, random.uniform(0.5, 0.7)}, 0.15));
+  scene.add(
+      Box::upright(place + back + 0.87 * up, yaw, {0.52 * length, 1.5, random.uniform(0.5, 0.7)}, 0.15));
 }
 
 void add_tree(Scene& scene, const Eigen::Vector3d& place, Random& random) {
@@ -76,7 +77,8 @@ void furnish_side(Scene& scene, const StreetPlan& plan, std::size_t street, bool
   };
   constexpr double kSlab = 4;
   for (double s = kSlab / 2; s < pavement.length(); s += kSlab)
-    if (plan.clear_of_others(street, pavement.at(s), kKerb + kSlab / 2)) add_pavement(scene, pavement, s, kSlab);
+    if (plan.clear_of_others(street, pavement.at(s), kKerb + kSlab / 2))
+      add_pavement(scene, pavement, s, kSlab);
   for (double s = 5; s < parking.length(); s += random.uniform(5.6, 7.5))
     if (random.chance(0.6) && clear(parking.at(s), 3))
       add_parked_car(scene, on_ground(scene, parking.at(s)), parking.heading(s) + random.uniform(-0.04, 0.04),
@@ -87,9 +89,11 @@ void furnish_side(Scene& scene, const StreetPlan& plan, std::size_t street, bool
     if (random.chance(0.55)) {
       add_tree(scene, place, random);
     } else if (random.chance(0.6)) {
-      scene.add(Cylinder{place, Eigen::Vector3d::UnitZ(), random.uniform(3, 8), random.uniform(0.05, 0.1), 0.5});
+      scene.add(
+          Cylinder{place, Eigen::Vector3d::UnitZ(), random.uniform(3, 8), random.uniform(0.05, 0.1), 0.5});
     } else {  // a bin or a cabinet
-      scene.add(Box::upright(place, kerb.heading(s), {random.uniform(0.4, 1.4), 0.5, random.uniform(0.9, 1.5)}, 0.5));
+      scene.add(Box::upright(place, kerb.heading(s),
+                             {random.uniform(0.4, 1.4), 0.5, random.uniform(0.9, 1.5)}, 0.5));
     }
   }
   add_buildings(scene, plan, street, side, random);
@@ -104,7 +108,8 @@ std::vector<Mover> make_traffic(const StreetPlan& plan, const Polyline& route, R
       const double speed = random.uniform(6, 12);  // one for the lane, so that nobody is run over
       for (double s = random.uniform(0, 60); s < lane.length() - 20; s += random.uniform(25, 120))
         movers.push_back(make_car(lane, s, speed, random.uniform(0.1, 0.8)));
-      const Polyline walk = (back ? axis.reversed() : axis).offset(-(kKerb + random.uniform(0.8, 2.4))).resampled(2);
+      const Polyline walk =
+          (back ? axis.reversed() : axis).offset(-(kKerb + random.uniform(0.8, 2.4))).resampled(2);
       for (double s = random.uniform(0, 40); s < walk.length(); s += random.uniform(10, 60))
         movers.push_back(make_person(walk, s, random.uniform(0.8, 1.7)));
     }
@@ -124,7 +129,8 @@ World make_urban(std::uint64_t seed, double seconds, const DriveStyle& style) {
                                        random.uniform(0, 6)};
   World world;
   world.style = style;
-  world.scene = Scene(Terrain(plan.low, plan.high, 3, [&](double x, double y) { return ground_height(x, y, phase); }));
+  world.scene =
+      Scene(Terrain(plan.low, plan.high, 3, [&](double x, double y) { return ground_height(x, y, phase); }));
   for (std::size_t street = 0; street < plan.streets.size(); ++street)
     for (const bool left : {false, true}) furnish_side(world.scene, plan, street, left, random);
   world.scene.build();

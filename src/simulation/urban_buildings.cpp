@@ -8,7 +8,8 @@
 namespace scanlock {
 namespace {
 
-/// A house's own frame: origin at the middle of the front on the ground, x along the front, y away from the street.
+/// A house's own frame: origin at the middle of the front on the ground, x along the front, y away from the
+/// street.
 struct Lot {
   Eigen::Vector3d origin;
   double yaw;
@@ -16,7 +17,8 @@ struct Lot {
   double reflectivity;
 
   Eigen::Vector3d world(double x, double y, double z) const {
-    return origin + Eigen::Vector3d(std::cos(yaw) * x - std::sin(yaw) * y, std::sin(yaw) * x + std::cos(yaw) * y, z);
+    return origin +
+           Eigen::Vector3d(std::cos(yaw) * x - std::sin(yaw) * y, std::sin(yaw) * x + std::cos(yaw) * y, z);
   }
   /// A box from front to back y0..y1, centred at x, bottom z.
   Box box(double x, double y0, double y1, double z, double wide, double high) const {
@@ -24,7 +26,8 @@ struct Lot {
   }
 };
 
-/// The front stands out from the wall by pillars and bands, so that windows are recesses; some bays have balconies.
+/// The front stands out from the wall by pillars and bands, so that windows are recesses; some bays have
+/// balconies.
 void add_house(Scene& scene, const Lot& lot, Random& random) {
   constexpr double kSink = 1.5;  // foundations, for the ground slopes
   const double recess = random.uniform(0.12, 0.35);

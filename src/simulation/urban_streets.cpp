@@ -82,7 +82,8 @@ Polyline plan_route(const StreetPlan& plan, double length, Random& random) {
     // From crossing to crossing along the street, without the last metres where the bend takes over.
     const bool along_x = heading % 2 == 0;
     const Polyline& street = plan.streets[along_x ? at.y() : plan.across + at.x()];
-    const Eigen::Vector2d from_point = plan.crossings[at.x()][at.y()], to_point = plan.crossings[to.x()][to.y()];
+    const Eigen::Vector2d from_point = plan.crossings[at.x()][at.y()],
+                          to_point = plan.crossings[to.x()][to.y()];
     std::vector<Eigen::Vector2d> leg;
     for (const Eigen::Vector2d& p : street.points()) {
       const double u = along_x ? p.x() : p.y();

@@ -9,8 +9,8 @@
 
 namespace scanlock {
 
-// Distances from the middle of a street, metres: the middle of a lane (traffic keeps right), the kerb, and where
-// gardens and houses may begin.
+// Distances from the middle of a street, metres: the middle of a lane (traffic keeps right), the kerb, and
+// where gardens and houses may begin.
 constexpr double kLane = 1.75, kKerb = 5.8, kCorridor = 9.0;
 
 /// A town: wavy streets in two directions that cross.
@@ -26,7 +26,8 @@ struct StreetPlan {
 
 StreetPlan plan_streets(Random& random);
 
-/// A drive of at least `length` through the town, in the right lane, turning at random and never back at once.
+/// A drive of at least `length` through the town, in the right lane, turning at random and never back at
+/// once.
 Polyline plan_route(const StreetPlan& plan, double length, Random& random);
 
 }  // namespace scanlock

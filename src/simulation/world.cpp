@@ -43,7 +43,9 @@ Mover make_person(const Polyline& path, double start, double speed) {
   return person;
 }
 
-double needed_length(const DriveStyle& style, double seconds) { return style.fast_mps * (seconds + 3) + 40; }
+double needed_length(const DriveStyle& style, double seconds) {
+  return style.fast_mps * (seconds + 3) + 40;
+}
 
 DriveStyle style_of(WorldKind kind) {
   DriveStyle style;
@@ -56,12 +58,13 @@ DriveStyle style_of(WorldKind kind) {
       style.fast_mps = 1.2;
       style.accelerate = style.brake = 1;
       style.lateral = 2.5;
-      style.yaw_rate = 2.05;
+      style.yaw_rate = 1.6;
       style.stop_every_m = 40;
       style.sensor_height = 0.9;
       style.wheelbase = 0.4;
-      style.sway = 0.005;
+      style.sway = 0.004;
       style.heave = 0.003;
+      style.fastest_hz = 4;
       break;
     case WorldKind::kForest:  // a quadruped
       style.slow_mps = 0.9;
@@ -71,8 +74,9 @@ DriveStyle style_of(WorldKind kind) {
       style.stop_every_m = 150;
       style.sensor_height = 1.0;
       style.wheelbase = 0.6;
-      style.sway = 0.02;
-      style.heave = 0.02;
+      style.sway = 0.012;
+      style.heave = 0.012;
+      style.slowest_hz = 1;
       break;
     case WorldKind::kTunnel:
       style.slow_mps = 12;
@@ -84,8 +88,9 @@ DriveStyle style_of(WorldKind kind) {
       style.accelerate = style.brake = 1;
       style.stop_every_m = 200;
       style.sensor_height = 2;
-      style.sway = 0.01;
-      style.heave = 0.015;
+      style.sway = 0.006;
+      style.heave = 0.01;
+      style.fastest_hz = 2;
       break;
   }
   return style;

@@ -20,9 +20,10 @@ WorldKind parse_world(const std::string& name);
 /// A car or a person on a path of its own. Its shapes stand on the ground at their own origin, x forward.
 struct Mover {
   Polyline path;
-  double start = 0;        ///< arc length at the start of the drive, metres
-  double speed = 0;        ///< m/s; at its path's end it begins anew
-  bool in_convoy = false;  ///< it keeps `start` metres before (behind, when negative) the sensor's own carrier
+  double start = 0;  ///< arc length at the start of the drive, metres
+  double speed = 0;  ///< m/s; at its path's end it begins anew
+  bool in_convoy =
+      false;  ///< it keeps `start` metres before (behind, when negative) the sensor's own carrier
   std::vector<Box> boxes;
   std::vector<Cylinder> cylinders;
 };
