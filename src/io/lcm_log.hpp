@@ -14,37 +14,64 @@ namespace scanlock {
 /// One event of an LCM log, as lcm-logger writes it.
 struct LogEvent {
   std::int64_t number = 0;
-  std::int64_t utime = 0;  ///< microseconds, when the logger received it: never use it as the time of the data
+  std::int64_t utime =
+      0;  ///< microseconds, when the logger received it: never use it as the time of the data
   std::string channel;
   std::vector<std::uint8_t> data;
 };
 
-/// Reads an LCM event log to its end, whatever state it is in: damage is skipped to the next sync word and counted.
+/// Reads an LCM event log to its end, whatever state it is in: damage is skipped to the next sync word that
+/// begins a plausible event, and counted. A length is believed only when the file is long enough for it, so
+/// that no damaged byte can make the reader allocate more than the file holds.
 class LogReader {
  public:
-  /// Throws std::runtime_error with a sentence that names the path when the file cannot be opened.
+  /// Throws std::runtime_error with a sentence that names the path when the file cannot be opened or is no
+  /// regular file (a directory, a pipe).
   explicit LogReader(const std::string& path);
 
-  /// The next event, or nothing at the end of the file.
+  /// The next event, or nothing at the end of the file. Throws std::runtime_error when the disk fails.
   std::optional<LogEvent> next();
 
   std::int64_t damaged_places() const { return damaged_places_; }  ///< times the reader had to resynchronise
   std::int64_t skipped_bytes() const { return skipped_bytes_; }
-  bool truncated() const { return truncated_; }                    ///< the last event was cut short
-  std::uint64_t position() const { return position_; }             ///< bytes read, for a progress bar
+  bool truncated() const { return truncated_; }         ///< the last event was cut short
+  std::uint64_t position() const { return position_; }  ///< bytes read, for a progress bar
   std::uint64_t file_size() const { return file_size_; }
 
  private:
+  struct Header {
+    std::int64_t number, utime;
+    std::uint64_t channel_size, data_size;
+    std::uint64_t event_size() const;
+  };
+  /// Fitting: the first place at which an event can begin and be whole. Cut: else, the first where one begins
+  /// that the end of the file cuts short.
+  struct Search {
+    std::optional<std::uint64_t> fitting, cut;
+  };
+
+  void read_at(std::uint64_t offset, std::uint8_t* bytes, std::size_t count);
+  std::optional<Header> header_at(std::uint64_t offset);
+  bool boundary_at(std::uint64_t offset);
+  bool only_a_piece_left();
+  Search find_event(std::uint64_t from, std::uint64_t to);
+  bool resynchronise();
+
+  std::string path_;
   std::ifstream file_;
+  std::uint64_t file_position_ = 0;
   std::uint64_t position_ = 0, file_size_ = 0;
   std::int64_t damaged_places_ = 0, skipped_bytes_ = 0;
   bool truncated_ = false;
 };
 
-/// Writes an LCM event log that lcm-logplayer plays. Throws std::runtime_error naming the path when a write fails.
+/// Writes an LCM event log that lcm-logplayer plays. Throws std::runtime_error naming the path when a write
+/// fails.
 class LogWriter {
  public:
   explicit LogWriter(const std::string& path);
+  /// utime: microseconds. Refuses a channel that is empty or longer than LCM's 63 characters, and data over
+  /// 256 MiB.
   void write(std::int64_t utime, const std::string& channel, const std::vector<std::uint8_t>& data);
   /// Flushes; throws when the disk refused. Call it before success is reported.
   void close();

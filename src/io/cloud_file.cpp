@@ -1,0 +1,61 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "io/cloud_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <stdexcept>
+
+#include "io/cloud_formats.hpp"
+#include "io/file_bytes.hpp"
+
+namespace scanlock {
+namespace {
+
+struct Format {
+  const char* extension;
+  PointCloud (*parse)(const std::string& path, const std::vector<std::uint8_t>& bytes);
+  std::string (*format)(const PointCloud& cloud);
+};
+constexpr std::array<Format, 5> kFormats = {{
+    {".bin", parse_kitti_bin, format_kitti_bin},
+    {".ply", parse_ply, format_ply},
+    {".pcd", parse_pcd, format_pcd},
+    {".xyz", parse_xyz, format_xyz},
+    {".txt", parse_xyz, format_xyz},
+}};
+
+const Format* find_format(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto found = std::find_if(kFormats.begin(), kFormats.end(),
+                                  [&](const Format& format) { return extension == format.extension; });
+  return found == kFormats.end() ? nullptr : &*found;
+}
+
+const Format& format_of(const std::string& path) {
+  const Format* format = find_format(path);
+  if (format == nullptr)
+    throw std::runtime_error(path + ": unknown kind of cloud; use .bin, .ply, .pcd, .xyz or .txt");
+  return *format;
+}
+
+}  // namespace
+
+PointCloud read_cloud(const std::string& path) {
+  const Format& format = format_of(path);
+  return format.parse(path, read_file_bytes(path));
+}
+
+void write_cloud(const std::string& path, const PointCloud& cloud) {
+  write_file_bytes(path, format_of(path).format(cloud));
+}
+
+bool is_cloud_path(const std::string& path) {
+  return find_format(path) != nullptr;
+}
+
+}  // namespace scanlock

@@ -1,0 +1,35 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "geometry/point_cloud.hpp"
+
+namespace scanlock {
+
+/// Reads a cloud; the extension (in any case) names the format:
+///   .bin         KITTI: float32 x y z intensity, little endian
+///   .ply         ascii, binary little and big endian; the element `vertex`, all others are skipped
+///   .pcd         ascii, binary, binary_compressed; VIEWPOINT is not applied
+///   .xyz, .txt   a point a line: x y z [intensity]; `#` starts a comment
+/// In .ply and .pcd columns may stand in any order and have any scalar type; taken are x, y, z, nx, ny, nz
+/// (normal_x, normal_y, normal_z), intensity (scalar_intensity), and `time` when it is a float32: seconds
+/// relative to the stamp of the scan. Coordinates become floats: subtract a far origin (UTM) before, not
+/// after.
+///
+/// Every point is kept, NaN and infinite ones too, in the order of the file: the caller decides what they
+/// mean. Throws std::runtime_error "FILE:LINE: what" (text) or "FILE: byte N: what" (binary) for a file that
+/// is damaged or does not hold what its header promises; it never allocates more than the size of the file
+/// justifies.
+PointCloud read_cloud(const std::string& path);
+
+/// Writes all that the cloud has and the format can hold; .ply and .pcd are written binary, with `time` as
+/// above. A .bin without intensities gets zeros. Throws std::runtime_error naming the path when the write
+/// fails.
+void write_cloud(const std::string& path, const PointCloud& cloud);
+
+/// True for a path that read_cloud knows by its extension.
+bool is_cloud_path(const std::string& path);
+
+}  // namespace scanlock

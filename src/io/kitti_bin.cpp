@@ -1,0 +1,35 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include <vector>
+
+#include "io/cloud_columns.hpp"
+#include "io/cloud_formats.hpp"
+
+namespace scanlock {
+
+PointCloud parse_kitti_bin(const std::string& path, const std::vector<std::uint8_t>& bytes) {
+  constexpr std::size_t kPointSize = 16;
+  const std::size_t points = bytes.size() / kPointSize;
+  if (points * kPointSize != bytes.size())
+    fail_at_byte(path, points * kPointSize,
+                 "the file ends within a point (" + std::to_string(bytes.size()) +
+                     " bytes are no multiple of 16): cut short, or not a KITTI scan");
+  CloudTable table({&PointCloud::x, &PointCloud::y, &PointCloud::z, &PointCloud::intensity}, points);
+  for (std::size_t i = 0; i < points; ++i) {
+    for (std::size_t c = 0; c < 4; ++c)
+      table.set(c, i, read_scalar(&bytes[i * kPointSize + 4 * c], ScalarType::kFloat32, false));
+  }
+  return table.take();
+}
+
+std::string format_kitti_bin(const PointCloud& cloud) {
+  const std::vector<float> zeros(cloud.has_intensity() ? 0 : cloud.size());
+  std::string bytes;
+  append_rows(bytes, {{"x", &cloud.x},
+                      {"y", &cloud.y},
+                      {"z", &cloud.z},
+                      {"intensity", cloud.has_intensity() ? &cloud.intensity : &zeros}});
+  return bytes;
+}
+
+}  // namespace scanlock

@@ -1,0 +1,93 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "io/text_lines.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <stdexcept>
+
+namespace scanlock {
+namespace {
+
+constexpr std::string_view kSeparators = " \t,\r\v\f";
+
+/// Takes the first word off `text`; an empty word at its end.
+std::string_view take_word(std::string_view& text) {
+  const std::size_t begin = std::min(text.find_first_not_of(kSeparators), text.size());
+  text.remove_prefix(begin);
+  const std::string_view word = text.substr(0, text.find_first_of(kSeparators));
+  text.remove_prefix(word.size());
+  return word;
+}
+
+/// A word for an error message: not too long, nothing unprintable.
+std::string quoted(std::string_view word) {
+  std::string text = "'";
+  for (char c : word.substr(0, 40)) text += c >= 0x20 && c < 0x7f ? c : '?';
+  return text + (word.size() > 40 ? "...'" : "'");
+}
+
+}  // namespace
+
+std::optional<std::string_view> TextLines::next() {
+  if (offset_ == text_.size()) return std::nullopt;
+  const std::size_t end = std::min(text_.find('\n', offset_), text_.size());
+  std::string_view line = text_.substr(offset_, end - offset_);
+  offset_ = std::min(end + 1, text_.size());
+  ++line_;
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  return line;
+}
+
+std::optional<std::string_view> TextLines::next_with_content() {
+  while (const auto line = next()) {
+    const std::string_view content = line->substr(0, line->find('#'));
+    if (content.find_first_not_of(kSeparators) != std::string_view::npos) return content;
+  }
+  return std::nullopt;
+}
+
+void TextLines::fail(const std::string& what) const {
+  throw std::runtime_error(path_ + ":" + std::to_string(line_) + ": " + what);
+}
+
+void TextLines::parse_numbers(std::string_view text, std::vector<double>& numbers) const {
+  numbers.clear();
+  for (auto word = take_word(text); !word.empty(); word = take_word(text)) {
+    const char* begin = word.data();
+    const char* end = begin + word.size();
+    if (*begin == '+') ++begin;  // which from_chars does not take
+    double value = 0;
+    const auto result = std::from_chars(begin, end, value);
+    if (result.ptr != end || result.ec == std::errc::invalid_argument)
+      fail(quoted(word) + " is not a number");
+    if (result.ec == std::errc::result_out_of_range) {
+      // Too large or too small for a double; from_chars does not say which, strtod does.
+      value = std::strtod(std::string(begin, end).c_str(), nullptr);
+    }
+    numbers.push_back(value);
+  }
+}
+
+void TextLines::parse_finite(std::string_view text, std::vector<double>& numbers) const {
+  parse_numbers(text, numbers);
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    if (!std::isfinite(numbers[i])) fail("number " + std::to_string(i + 1) + " of the line is not finite");
+}
+
+std::vector<std::string_view> split_words(std::string_view text) {
+  std::vector<std::string_view> words;
+  for (auto word = take_word(text); !word.empty(); word = take_word(text)) words.push_back(word);
+  return words;
+}
+
+std::optional<std::uint64_t> parse_unsigned(std::string_view word) {
+  std::uint64_t value = 0;
+  const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (result.ec != std::errc() || result.ptr != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace scanlock

@@ -1,0 +1,49 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace scanlock {
+
+/// Walks over the lines of a text in memory, and knows where it is for the sake of errors.
+class TextLines {
+ public:
+  /// `bytes` must outlive this object.
+  TextLines(std::string path, const std::vector<std::uint8_t>& bytes)
+      : path_(std::move(path)), text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {}
+
+  /// The next line without its end (LF or CR LF), or nothing at the end of the text.
+  std::optional<std::string_view> next();
+  /// The next line that holds more than blanks once its `#` comment is cut off.
+  std::optional<std::string_view> next_with_content();
+
+  std::size_t line() const { return line_; }      ///< number of the line last returned, from 1
+  std::size_t offset() const { return offset_; }  ///< bytes consumed
+  std::size_t bytes_left() const { return text_.size() - offset_; }
+
+  /// Throws std::runtime_error "PATH:LINE: what".
+  [[noreturn]] void fail(const std::string& what) const;
+  /// The words of a line as numbers ("nan" and "inf" are numbers); fails naming the word that is none.
+  void parse_numbers(std::string_view text, std::vector<double>& numbers) const;
+  /// The same, and fails naming a number that is not finite.
+  void parse_finite(std::string_view text, std::vector<double>& numbers) const;
+
+ private:
+  std::string path_;
+  std::string_view text_;
+  std::size_t line_ = 0, offset_ = 0;
+};
+
+/// Splits at blanks, tabs and commas.
+std::vector<std::string_view> split_words(std::string_view text);
+
+/// A whole number without a sign, or nothing when the word is anything else or does not fit.
+std::optional<std::uint64_t> parse_unsigned(std::string_view word);
+
+}  // namespace scanlock

@@ -1,0 +1,46 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include <array>
+#include <cstdio>
+
+#include "io/cloud_columns.hpp"
+#include "io/cloud_formats.hpp"
+#include "io/text_lines.hpp"
+
+namespace scanlock {
+
+PointCloud parse_xyz(const std::string& path, const std::vector<std::uint8_t>& bytes) {
+  TextLines lines(path, bytes);
+  PointCloud cloud;
+  std::vector<double> numbers;
+  std::size_t columns = 0;
+  while (const auto line = lines.next_with_content()) {
+    lines.parse_numbers(*line, numbers);
+    if (columns == 0) columns = numbers.size();
+    if (columns != 3 && columns != 4)
+      lines.fail("a point has 3 or 4 numbers (x y z [intensity]), this line has " + std::to_string(columns));
+    if (numbers.size() != columns)
+      lines.fail(std::to_string(numbers.size()) + " numbers where the lines before have " +
+                 std::to_string(columns));
+    cloud.push_back(to_float(numbers[0]), to_float(numbers[1]), to_float(numbers[2]));
+    if (columns == 4) cloud.intensity.push_back(to_float(numbers[3]));
+  }
+  return cloud;
+}
+
+std::string format_xyz(const PointCloud& cloud) {
+  std::string text;
+  std::array<char, 128> line{};
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    int size = std::snprintf(line.data(), line.size(), "%.9g %.9g %.9g", cloud.x[i], cloud.y[i], cloud.z[i]);
+    text.append(line.data(), static_cast<std::size_t>(size));
+    if (cloud.has_intensity()) {
+      size = std::snprintf(line.data(), line.size(), " %.9g", cloud.intensity[i]);
+      text.append(line.data(), static_cast<std::size_t>(size));
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace scanlock
