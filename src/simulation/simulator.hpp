@@ -1,0 +1,87 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "geometry/point_cloud.hpp"
+#include "geometry/rigid.hpp"
+#include "simulation/drive.hpp"
+#include "simulation/event.hpp"
+#include "simulation/lidar.hpp"
+#include "simulation/world.hpp"
+
+namespace scanlock {
+
+struct SimulationConfig {
+  WorldKind world = WorldKind::kUrban;
+  LidarKind lidar = LidarKind::kVlp16;
+  double seconds = 60;
+  std::uint64_t seed = 1;
+  std::vector<SimulationEvent> events;
+  double speed_mps = 0;           ///< cruising speed; 0: the world's own
+  std::optional<double> noise_m;  ///< standard deviation of ranges; nothing: the sensor's own
+  bool motion_distortion =
+      true;                   ///< false: all points of a scan are taken at its stamp, and their times are 0
+  bool stamp_at_end = false;  ///< stamps the end of the sweep instead of its begin
+  int threads = 1;            ///< the result does not depend on it
+};
+
+struct SimulatedScan {
+  Scan scan;                                ///< with intensity (0 to 255) and time
+  Pose world_from_body = Pose::Identity();  ///< exact, at scan.utime
+  Vector6 twist = Vector6::Zero();  ///< exact body velocity [m/s; rad/s] at scan.utime, in the body frame
+  double time_s = 0;                ///< scan.utime in seconds since the start of the drive
+};
+
+/// A LiDAR that is driven through a world. Each ray starts from the exact pose at its own time of firing.
+/// The result depends on the configuration alone, not on the machine's threads.
+class Simulator {
+ public:
+  /// utime of the start of the drive.
+  static constexpr std::int64_t kStartUtime = 1600000000000000;
+
+  /// Throws std::invalid_argument with a sentence when the configuration makes no sense.
+  explicit Simulator(const SimulationConfig& config);
+
+  /// The next scan, or nothing when the drive is over.
+  std::optional<SimulatedScan> next();
+
+  /// Sweeps of the whole drive, those that a dropout swallows included.
+  std::int64_t sweeps() const;
+  /// The sweep that next() looks at first.
+  std::int64_t position() const { return sweep_; }
+
+  /// Exact pose at a time, in seconds since the start, as the sweep that began at `sweep_begin` sees it:
+  /// a kidnapping takes effect between two sweeps.
+  Pose pose_at(double t, double sweep_begin) const;
+
+  const World& world() const { return world_; }
+  const Drive& drive() const { return drive_; }
+  const LidarModel& lidar() const { return lidar_; }
+
+ private:
+  struct Moving;
+  struct Return {
+    float range = 0;  // 0: none
+    float intensity = 0;
+  };
+  bool event_active(EventKind kind, double t) const;
+  SimulatedScan make_scan(std::int64_t sweep) const;
+  std::vector<Moving> movers_near(const Eigen::Vector3d& sensor, double heading, double t) const;
+  void cast_beams(std::int64_t sweep, double stamp, const std::vector<Moving>& movers, std::size_t begin,
+                  std::size_t end, Return* returns) const;
+  Hit cast(const Ray& ray, double since, const std::vector<Moving>& movers, std::uint64_t seed) const;
+  float point_time(const Beam& beam) const;
+
+  SimulationConfig config_;
+  LidarModel lidar_;
+  World world_;
+  Drive drive_;
+  std::vector<Beam> beams_;  // of the current sweep
+  std::int64_t sweep_ = 0;
+};
+
+}  // namespace scanlock

@@ -1,0 +1,107 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "simulation/urban_streets.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scanlock {
+namespace {
+
+constexpr int kStreets = 7;     // in each direction
+constexpr double kMargin = 25;  // of streets beyond their last crossing, metres
+
+/// A street's middle as a function of the coordinate it runs along.
+struct Wave {
+  double base, amplitude, length, phase;
+  double at(double u) const { return base + amplitude * std::sin(u / length + phase); }
+};
+
+std::vector<Wave> make_waves(Random& random) {
+  std::vector<Wave> waves;
+  double base = 0;
+  for (int i = 0; i < kStreets; ++i) {
+    waves.push_back({base, random.uniform(1, 6), random.uniform(35, 60), random.uniform(0, 6.28)});
+    base += random.uniform(65, 110);
+  }
+  return waves;
+}
+
+Polyline sample_street(const Wave& wave, double from, double to, bool along_x) {
+  std::vector<Eigen::Vector2d> points;
+  for (double u = from; u <= to; u += 1)
+    points.push_back(along_x ? Eigen::Vector2d(u, wave.at(u)) : Eigen::Vector2d(wave.at(u), u));
+  return Polyline(points);
+}
+
+}  // namespace
+
+bool StreetPlan::clear_of_others(std::size_t own, const Eigen::Vector2d& p, double distance) const {
+  for (std::size_t i = 0; i < streets.size(); ++i) {
+    if (i == own) continue;
+    // Streets are sampled each metre along their axis: look at the stretch beside p only.
+    const auto& points = streets[i].points();
+    const bool along_x = static_cast<int>(i) < across;
+    const double u = along_x ? p.x() - points.front().x() : p.y() - points.front().y();
+    const int last = static_cast<int>(points.size()) - 1;
+    const int middle = std::clamp(static_cast<int>(u), 0, last), reach = static_cast<int>(distance) + 1;
+    for (int k = std::max(0, middle - reach); k <= std::min(last, middle + reach); ++k)
+      if ((points[k] - p).squaredNorm() < distance * distance) return false;
+  }
+  return true;
+}
+
+StreetPlan plan_streets(Random& random) {
+  const std::vector<Wave> along_x = make_waves(random), along_y = make_waves(random);
+  StreetPlan plan;
+  plan.across = kStreets;
+  const double x_end = along_y.back().base + kMargin, y_end = along_x.back().base + kMargin;
+  for (const Wave& wave : along_x) plan.streets.push_back(sample_street(wave, -kMargin, x_end, true));
+  for (const Wave& wave : along_y) plan.streets.push_back(sample_street(wave, -kMargin, y_end, false));
+  plan.crossings.resize(along_y.size());
+  for (std::size_t i = 0; i < along_y.size(); ++i)
+    for (const Wave& horizontal : along_x) {
+      double x = along_y[i].base;
+      for (int pass = 0; pass < 30; ++pass) x = along_y[i].at(horizontal.at(x));
+      plan.crossings[i].push_back({x, horizontal.at(x)});
+    }
+  plan.low = Eigen::Vector2d::Constant(-kMargin - 30);
+  plan.high = Eigen::Vector2d(x_end, y_end) + Eigen::Vector2d::Constant(30);
+  return plan;
+}
+
+Polyline plan_route(const StreetPlan& plan, double length, Random& random) {
+  const Eigen::Vector2i steps[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+  Eigen::Vector2i at(kStreets / 2, kStreets / 2);
+  int heading = random.integer(0, 3);
+  std::vector<Eigen::Vector2d> points;
+  double driven = 0;
+  const auto inside = [](const Eigen::Vector2i& p) { return p.minCoeff() >= 0 && p.maxCoeff() < kStreets; };
+  while (driven < length + 50) {
+    const Eigen::Vector2i to = at + steps[heading];
+    // From crossing to crossing along the street, without the last metres where the bend takes over.
+    const bool along_x = heading % 2 == 0;
+    const Polyline& street = plan.streets[along_x ? at.y() : plan.across + at.x()];
+    const Eigen::Vector2d from_point = plan.crossings[at.x()][at.y()],
+                          to_point = plan.crossings[to.x()][to.y()];
+    std::vector<Eigen::Vector2d> leg;
+    for (const Eigen::Vector2d& p : street.points()) {
+      const double u = along_x ? p.x() : p.y();
+      const double a = along_x ? from_point.x() : from_point.y(), b = along_x ? to_point.x() : to_point.y();
+      if (u > std::min(a, b) + 6 && u < std::max(a, b) - 6) leg.push_back(p);
+    }
+    if (heading >= 2) std::reverse(leg.begin(), leg.end());
+    const Polyline lane = Polyline(leg).offset(-kLane);
+    points.insert(points.end(), lane.points().begin(), lane.points().end());
+    driven += lane.length() + 12;
+
+    at = to;
+    const int straight = heading;
+    do {  // one third straight on, one third to either side, as far as the town reaches
+      heading = (straight + random.integer(-1, 1) + 4) % 4;
+    } while (!inside(at + steps[heading]));
+  }
+  return Polyline(points).smoothed(0.5, 9);
+}
+
+}  // namespace scanlock
