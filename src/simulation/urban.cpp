@@ -12,6 +12,8 @@
 namespace scanlock {
 namespace {
 
+constexpr double kPavement = 3.4;  // metres: up to the fronts of houses without a garden
+
 /// Rolling ground, slopes of up to about 3 %.
 double ground_height(double x, double y, const std::array<double, 4>& phase) {
   return 1.2 * std::sin(x / 70 + phase[0]) + 1.0 * std::sin(y / 85 + phase[1]) +
@@ -36,7 +38,7 @@ void add_pavement(Scene& scene, const Polyline& middle, double s, double length)
   slab.world_from_box.col(0) = slope(ahead);
   slab.world_from_box.col(2) = slab.world_from_box.col(0).cross(slope(left)).normalized();
   slab.world_from_box.col(1) = slab.world_from_box.col(2).cross(slab.world_from_box.col(0));
-  slab.half = {length / 2 + 0.05, 1.5, 0.2};
+  slab.half = {length / 2 + 0.05, kPavement / 2, 0.2};
   slab.centre = centre + Eigen::Vector3d(0, 0, 0.13 - 0.2);
   slab.reflectivity = 0.3;
   scene.add(slab);
@@ -71,7 +73,7 @@ void furnish_side(Scene& scene, const StreetPlan& plan, std::size_t street, bool
   const double side = left ? 1 : -1;
   const Polyline& axis = plan.streets[street];
   const Polyline parking = axis.offset(side * 4.7), kerb = axis.offset(side * 6.3);
-  const Polyline pavement = axis.offset(side * (kKerb + 1.5));
+  const Polyline pavement = axis.offset(side * (kKerb + kPavement / 2));
   const auto clear = [&](const Eigen::Vector2d& p, double margin) {
     return plan.clear_of_others(street, p, kCorridor + margin);
   };
