@@ -162,7 +162,8 @@ void examine_echo(lcm::LCM& lcm, Listener& listener, const std::string& channel,
                              " datagrams dropped by the kernel";
   const bool good = report.echoes_received == kEchoes && report.kernel_drops == 0;
   add(report, good ? Grade::kGood : Grade::kFault, "echo", detail,
-      good || !is_multicast(report.url) ? "" : buffer_remedy(report.url, wanted_receive_buffer(report.url)));
+      good || !is_multicast_url(report.url) ? ""
+                                            : buffer_remedy(report.url, wanted_receive_buffer(report.url)));
 }
 
 void examine_channels(lcm::LCM& lcm, Listener& listener, const DaemonConfig& config, DoctorReport& report) {
@@ -201,17 +202,17 @@ bool DoctorReport::good() const {
 DoctorReport examine(const DaemonConfig& config) {
   DoctorReport report;
   report.url = input_url(config);
-  if (is_log(report.url)) {
+  if (is_log_url(report.url)) {
     examine_log(report.url, report);
     return report;
   }
-  if (is_multicast(report.url)) {
+  if (is_multicast_url(report.url)) {
     examine_route(report.url, report);
     const std::string fault = multicast_fault(multicast_endpoint(report.url));
     if (report.good() && !fault.empty()) add(report, Grade::kFault, "address", fault);
     if (!report.good()) return report;  // LCM would only print a screenful of its own
   }
-  const int port = is_multicast(report.url) ? multicast_endpoint(report.url).port : 0;
+  const int port = is_multicast_url(report.url) ? multicast_endpoint(report.url).port : 0;
   const std::set<int> before = udp_sockets_on(port);
   const std::string channel = "SCANLOCK_CHECK_" + std::to_string(getpid());
   Listener listener(channel);
@@ -222,7 +223,7 @@ DoctorReport examine(const DaemonConfig& config) {
   }
   lcm.subscribe(".*", &Listener::on_message, &listener)->setQueueCapacity(8);
   std::set<int> sockets;
-  if (is_multicast(report.url)) {
+  if (is_multicast_url(report.url)) {
     const std::set<int> after = udp_sockets_on(port);
     std::set_difference(after.begin(), after.end(), before.begin(), before.end(),
                         std::inserter(sockets, sockets.end()));

@@ -30,10 +30,10 @@ Outputs::Outputs(const DaemonConfig& config, const std::string& version, Statist
       version_(version),
       host_(host_name()),
       url_(output_url(config)),
-      replay_(is_log(input_url(config))),
+      replay_(is_log_url(input_url(config))),
       twist_frame_(parse_twist_frame(config.twist_frame)),
       statistics_(statistics) {
-  if (is_log(url_)) {
+  if (is_log_url(url_)) {
     const std::string mode = url_option(url_, "mode").value_or("r");
     if (mode == "r")
       throw ConfigError(url_ + ": a log is written with ?mode=w (or mode=a to append) at its end");
@@ -47,7 +47,7 @@ bool Outputs::connect() {
   const auto now = Clock::now();
   if (now < next_attempt_) return false;
   next_attempt_ = now + kRetry;
-  std::string why = is_multicast(url_) ? multicast_fault(multicast_endpoint(url_)) : "";
+  std::string why = is_multicast_url(url_) ? multicast_fault(multicast_endpoint(url_)) : "";
   if (why.empty()) {
     auto lcm = std::make_unique<lcm::LCM>(url_);
     if (lcm->good()) {
@@ -66,7 +66,7 @@ void Outputs::send(const std::string& channel, const Bytes& message) {
   if (connect() && lcm_->publish(channel, message.data(), static_cast<unsigned>(message.size())) == 0) return;
   statistics_.count(&Counters::publish_errors);
   if (!lcm_) return;  // connect() said why
-  const std::string why = is_multicast(url_) ? multicast_fault(multicast_endpoint(url_)) : "";
+  const std::string why = is_multicast_url(url_) ? multicast_fault(multicast_endpoint(url_)) : "";
   const std::string sentence = "publishing on " + channel + " failed" + (why.empty() ? "" : ": " + why);
   statistics_.set_error(sentence);
   if (failures_.allows(Clock::now())) log_line(LogLevel::kWarning, sentence);

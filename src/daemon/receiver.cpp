@@ -30,7 +30,7 @@ Receiver::Receiver(const DaemonConfig& config, Slot<ReceivedScan>& slot, Statist
                    const StopSignal& stop)
     : config_(config),
       url_(input_url(config)),
-      from_log_(is_log(url_)),
+      from_log_(is_log_url(url_)),
       slot_(slot),
       statistics_(statistics),
       stop_(stop),
@@ -64,7 +64,7 @@ std::unique_ptr<lcm::LCM> Receiver::connect() {
       return lcm;
     }
     if (from_log_) throw std::runtime_error(url_ + ": this log cannot be read; check its path");
-    std::string why = is_multicast(url_) ? multicast_fault(multicast_endpoint(url_)) : "";
+    std::string why = is_multicast_url(url_) ? multicast_fault(multicast_endpoint(url_)) : "";
     if (why.empty()) why = "LCM refused the URL; check it";
     if (why != reported) {
       log_line(LogLevel::kWarning,
@@ -80,16 +80,16 @@ std::unique_ptr<lcm::LCM> Receiver::connect() {
 std::unique_ptr<lcm::LCM> Receiver::try_connect() {
   // LCM 1.3.1 prints a screenful for a missing route at each attempt; we know the answer and say it in one
   // line.
-  if (is_multicast(url_) && !multicast_fault(multicast_endpoint(url_)).empty()) return nullptr;
-  const int port = is_multicast(url_) ? multicast_endpoint(url_).port : 0;
+  if (is_multicast_url(url_) && !multicast_fault(multicast_endpoint(url_)).empty()) return nullptr;
+  const int port = is_multicast_url(url_) ? multicast_endpoint(url_).port : 0;
   const std::set<int> before = udp_sockets_on(port);
   auto lcm = std::make_unique<lcm::LCM>(url_);
   if (!lcm->good()) return nullptr;
   for (const auto& channel : config_.scan_channels) {
     lcm->subscribe(literal_pattern(channel), &Receiver::on_message, this)->setQueueCapacity(kQueueCapacity);
   }
-  if (is_multicast(url_) && lcm->getFileno() < 0) return nullptr;
-  if (!is_multicast(url_)) return lcm;
+  if (is_multicast_url(url_) && lcm->getFileno() < 0) return nullptr;
+  if (!is_multicast_url(url_)) return lcm;
 
   const std::set<int> after = udp_sockets_on(port);
   sockets_.clear();
