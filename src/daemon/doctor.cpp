@@ -201,7 +201,7 @@ bool DoctorReport::good() const {
 DoctorReport examine(const DaemonConfig& config) {
   DoctorReport report;
   report.url = input_url(config);
-  if (is_log(report.url)) {
+  if (is_log_url(report.url)) {
     examine_log(report.url, report);
     return report;
   }

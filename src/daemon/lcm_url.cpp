@@ -36,7 +36,7 @@ std::string with_receive_buffer(const std::string& url, int bytes) {
 bool is_multicast(const std::string& url) {
   return starts_with(url, "udpm://");
 }
-bool is_log(const std::string& url) {
+bool is_log_url(const std::string& url) {
   return starts_with(url, "file://");
 }
 
@@ -74,8 +74,8 @@ std::string input_url(const DaemonConfig& config) {
 std::string output_url(const DaemonConfig& config) {
   if (!config.out_url.empty()) return config.out_url;
   const std::string url =
-      config.url.empty() || is_log(config.url) ? environment_or_default_url() : config.url;
-  return is_log(url) && url_option(url, "mode").value_or("r") == "r" ? kDefaultUrl : url;
+      config.url.empty() || is_log_url(config.url) ? environment_or_default_url() : config.url;
+  return is_log_url(url) && url_option(url, "mode").value_or("r") == "r" ? kDefaultUrl : url;
 }
 
 int wanted_receive_buffer(const std::string& url) {

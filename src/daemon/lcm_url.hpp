@@ -19,7 +19,7 @@ struct MulticastEndpoint {
 
 /// What a URL asks for, as LCM itself reads it: PROVIDER://NETWORK?KEY=VALUE&KEY=VALUE.
 bool is_multicast(const std::string& url);
-bool is_log(const std::string& url);  ///< file://, for reading or writing
+bool is_log_url(const std::string& url);  ///< file://, for reading or writing
 std::optional<std::string> url_option(const std::string& url, const std::string& key);
 /// Throws ConfigError when address or port is none.
 MulticastEndpoint multicast_endpoint(const std::string& url);

@@ -30,10 +30,10 @@ Outputs::Outputs(const DaemonConfig& config, const std::string& version, Statist
       version_(version),
       host_(host_name()),
       url_(output_url(config)),
-      replay_(is_log(input_url(config))),
+      replay_(is_log_url(input_url(config))),
       twist_frame_(parse_twist_frame(config.twist_frame)),
       statistics_(statistics) {
-  if (is_log(url_)) {
+  if (is_log_url(url_)) {
     const std::string mode = url_option(url_, "mode").value_or("r");
     if (mode == "r")
       throw ConfigError(url_ + ": a log is written with ?mode=w (or mode=a to append) at its end");

@@ -30,7 +30,7 @@ Receiver::Receiver(const DaemonConfig& config, Slot<ReceivedScan>& slot, Statist
                    const StopSignal& stop)
     : config_(config),
       url_(input_url(config)),
-      from_log_(is_log(url_)),
+      from_log_(is_log_url(url_)),
       slot_(slot),
       statistics_(statistics),
       stop_(stop),
