@@ -117,6 +117,7 @@ int check(const Config& config, bool json) {
 }
 
 int serve(const Config& config) {
+  signal(SIGPIPE, SIG_IGN);  // a TCP peer that went away is an error of one publish, not the end
   StopSignal stop;
   const SignalThread signals(stop);
   std::string channels;

@@ -37,6 +37,7 @@ struct DaemonConfig {
   std::string nav_odometry_channel;
   std::string pose2d_channel;
   std::string twist_frame = "local";  ///< of the velocities in bot_core.pose_t: local, body or zero
+  bool predicted_poses = true;        ///< of types that cannot say so; scanlock.odometry_t always comes
   std::string map_frame = "map";
   std::string body_frame = "body";
   double status_period_s = 1;

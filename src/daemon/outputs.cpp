@@ -95,16 +95,7 @@ void Outputs::publish(const FinishedScan& finished) {
                           " was not used: " + to_string(tracked.verdict));
     return;
   }
-  const OdometryContext context = context_of(finished);
-  send(config_.pose_channel, encode_pose(tracked, twist_frame_));
-  send(config_.odometry_channel, encode_odometry(tracked, context));
-  if (!config_.rigid_transform_channel.empty())
-    send(config_.rigid_transform_channel, encode_rigid_transform(tracked));
-  if (!config_.pose2d_channel.empty()) send(config_.pose2d_channel, encode_pose2d(tracked));
-  if (!config_.nav_odometry_channel.empty()) {
-    send(config_.nav_odometry_channel, encode_nav_odometry(tracked, config_.map_frame, config_.body_frame,
-                                                           static_cast<std::int32_t>(context.seq)));
-  }
+  publish_poses(tracked, context_of(finished));
   statistics_.count_published(
       std::chrono::duration<double, std::milli>(Clock::now() - finished.arrival).count());
   const bool changed = tracked.state != last_.state;
@@ -115,6 +106,19 @@ void Outputs::publish(const FinishedScan& finished) {
   }
   last_ = tracked;
   if (changed) publish_status();
+}
+
+void Outputs::publish_poses(const TrackedScan& tracked, const OdometryContext& context) {
+  send(config_.odometry_channel, encode_odometry(tracked, context));
+  if (tracked.method == PoseMethod::kPredicted && !config_.predicted_poses) return;
+  send(config_.pose_channel, encode_pose(tracked, twist_frame_));
+  if (!config_.rigid_transform_channel.empty())
+    send(config_.rigid_transform_channel, encode_rigid_transform(tracked));
+  if (!config_.pose2d_channel.empty()) send(config_.pose2d_channel, encode_pose2d(tracked));
+  if (!config_.nav_odometry_channel.empty()) {
+    send(config_.nav_odometry_channel, encode_nav_odometry(tracked, config_.map_frame, config_.body_frame,
+                                                           static_cast<std::int32_t>(context.seq)));
+  }
 }
 
 void Outputs::publish_status() {

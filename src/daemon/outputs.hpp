@@ -39,6 +39,7 @@ class Outputs {
  private:
   bool connect();
   void send(const std::string& channel, const Bytes& message);
+  void publish_poses(const TrackedScan& tracked, const OdometryContext& context);
   OdometryContext context_of(const FinishedScan& finished);
 
   const DaemonConfig& config_;
