@@ -137,9 +137,7 @@ int serve(const Config& config) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   Options options;
   CLI::App app{"LiDAR odometry on LCM: scans in, poses out."};
   app.set_version_flag("-V,--version", std::string("scanlockd ") + SCANLOCK_VERSION);
@@ -164,13 +162,19 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  const Config config = configured(options);
+  if (options.print) {
+    std::cout << print_config(config) << std::flush;
+    return std::cout ? 0 : 1;
+  }
+  return options.check ? check(config, options.json) : serve(config);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
   try {
-    const Config config = configured(options);
-    if (options.print) {
-      std::cout << print_config(config) << std::flush;
-      return std::cout ? 0 : 1;
-    }
-    return options.check ? check(config, options.json) : serve(config);
+    return run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "scanlockd: %s\n", error.what());
     return 1;

@@ -157,17 +157,18 @@ std::string place(const std::string& file, const toml::source_region& source) {
 
 void read_section(const toml::table& table, const std::string& section, const std::string& file,
                   Config& config) {
-  for (const auto& [name, node] : table) {
-    const std::string where = place(file, name.source());
-    const auto key =
-        std::find_if(config_keys().begin(), config_keys().end(), [&](const ConfigKey& candidate) {
-          return candidate.section == section && candidate.name == name.str();
-        });
-    if (key == config_keys().end()) fail_unknown(where, section + "." + std::string(name.str()));
+  for (const auto& entry : table) {
+    const std::string name(entry.first.str());
+    const toml::node& node = entry.second;
+    const std::string where = place(file, entry.first.source());
+    const auto key = std::find_if(
+        config_keys().begin(), config_keys().end(),
+        [&](const ConfigKey& candidate) { return candidate.section == section && candidate.name == name; });
+    if (key == config_keys().end()) fail_unknown(where, std::string(section).append(".").append(name));
     std::visit(
-        [&, &node_ref = node](const auto& access) {
+        [&](const auto& access) {
           auto& value = access(config);
-          read_value(node_ref, *key, where, value);
+          read_value(node, *key, where, value);
           check_value(*key, value, where);
         },
         key->access);

@@ -53,7 +53,7 @@ void Daemon::work() {
   Tracker tracker(config_.tracker);
   while (auto received = scans_.take()) {
     try {
-      finished_.put(track(tracker, std::move(*received)));
+      finished_.put(track(tracker, *received));
     } catch (const std::exception& error) {  // out of memory, at most; the next scan begins anew
       statistics_.set_error(std::string("a scan could not be tracked: ") + error.what());
       log_line(LogLevel::kError, std::string("a scan could not be tracked, starting anew: ") + error.what());
@@ -63,7 +63,7 @@ void Daemon::work() {
   finished_.finish();
 }
 
-FinishedScan Daemon::track(Tracker& tracker, ReceivedScan received) {
+FinishedScan Daemon::track(Tracker& tracker, const ReceivedScan& received) {
   FinishedScan finished;
   std::array<float, 3> stages{};
   auto mark = Clock::now();

@@ -28,7 +28,7 @@ class Daemon {
 
  private:
   void work();
-  FinishedScan track(Tracker& tracker, ReceivedScan received);
+  FinishedScan track(Tracker& tracker, const ReceivedScan& received);
   void publish_until_the_end(const StopSignal& stop);
 
   const Config config_;
