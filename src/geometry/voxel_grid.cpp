@@ -27,16 +27,22 @@ struct Voxel {
   float squared_distance_to_centre;
 };
 
+/// Two instructions, where std::floor is a call on a processor without SSE 4.1.
+std::int32_t floor_to_int(float v) {
+  const std::int32_t truncated = static_cast<std::int32_t>(v);
+  return truncated - (v < static_cast<float>(truncated) ? 1 : 0);
+}
+
 /// False for points that no voxel can hold: not finite, or too far out.
 bool locate(float x, float y, float z, float inverse_size, Voxel* voxel) {
   const float fx = x * inverse_size, fy = y * inverse_size, fz = z * inverse_size;
   // Written so that NaN fails too.
   if (!(std::abs(fx) < kMaxVoxels && std::abs(fy) < kMaxVoxels && std::abs(fz) < kMaxVoxels)) return false;
-  const float bx = std::floor(fx), by = std::floor(fy), bz = std::floor(fz);
-  voxel->ix = static_cast<std::int32_t>(bx);
-  voxel->iy = static_cast<std::int32_t>(by);
-  voxel->iz = static_cast<std::int32_t>(bz);
-  const float dx = fx - bx - 0.5f, dy = fy - by - 0.5f, dz = fz - bz - 0.5f;
+  voxel->ix = floor_to_int(fx);
+  voxel->iy = floor_to_int(fy);
+  voxel->iz = floor_to_int(fz);
+  const float dx = fx - static_cast<float>(voxel->ix) - 0.5f, dy = fy - static_cast<float>(voxel->iy) - 0.5f,
+              dz = fz - static_cast<float>(voxel->iz) - 0.5f;
   voxel->squared_distance_to_centre = dx * dx + dy * dy + dz * dz;
   return true;
 }

@@ -22,7 +22,7 @@ struct Surface {
 /// Surfaces of the points of a map, fitted when they are first asked for: a scan meets only a part of the map.
 class LocalSurfaces {
  public:
-  static constexpr int kNeighbours = 12;
+  static constexpr int kNeighbours = 14;
 
   /// Forgets all fits. Cloud and tree (of that cloud) must outlive this object's use; `radius`: neighbours farther than
   /// this many metres do not count.

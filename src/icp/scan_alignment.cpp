@@ -108,8 +108,12 @@ struct ScanAligner::Workspace final : DescentProblem {
     }
     const Vector12 e = prior_error();
     return static_cast<double>(source->size()) - explained +
-           options->sigma * options->sigma / (nu * nu) * 0.5 * e.dot(prior->information * e);
+           prior_weight() * 0.5 * e.dot(prior->information * e);
   }
+
+  /// Of the prior against a weight of 1 a source point. It does not change with nu: at the upper scales residuals are not
+  /// noise but misalignment, and a direction that the scene hardly fixes would slide before the others have settled.
+  double prior_weight() const { return options->sigma * options->sigma / (options->nu_min * options->nu_min); }
 
   Vector12 prior_error() const {
     Vector12 e;
@@ -154,7 +158,7 @@ struct ScanAligner::Workspace final : DescentProblem {
     Matrix12 hessian;
     Vector12 gradient;
     linearise(true, &hessian, &gradient);
-    const double scale = options->sigma * options->sigma;
+    const double scale = prior_weight() * nu * nu;
     // d moves x by J_l(x)^-1 d to first order.
     Matrix12 to_error = Matrix12::Identity();
     to_error.topLeftCorner<6, 6>() = se3_left_jacobian(x).inverse();

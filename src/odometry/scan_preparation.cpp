@@ -17,9 +17,10 @@ namespace {
 constexpr float kSourceVoxels[] = {2.0f, 1.41f, 1.0f};
 
 constexpr double kVoxelPerRange = 0.045;  // the first guess, before a count is known
-constexpr double kStep = 1.4142135623730951;
-constexpr double kBand = 1.6;
-constexpr int kSettlingRounds = 8;
+constexpr double kStep = 1.189207115002721;  // 2^(1/4)
+constexpr double kPointsPerVoxel = 3.0;
+constexpr double kBand = 1.3;
+constexpr int kSettlingRounds = 16;
 
 /// Squared ranges in bins of 1/16 octave (of the range: 1/32): the top bits of a float are a logarithm.
 class RangeHistogram {
@@ -57,13 +58,15 @@ CroppedScan crop(const PointCloud& points, double min_range, double max_range) {
   CroppedScan result;
   const float least = static_cast<float>(min_range * min_range), greatest = static_cast<float>(max_range * max_range);
   RangeHistogram histogram;
-  result.indices.reserve(points.size());
+  result.indices.resize(points.size());
+  std::size_t kept = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float squared = points.x[i] * points.x[i] + points.y[i] * points.y[i] + points.z[i] * points.z[i];
     if (!(squared >= least && squared <= greatest)) continue;  // NaN fails too
-    result.indices.push_back(static_cast<std::uint32_t>(i));
+    result.indices[kept++] = static_cast<std::uint32_t>(i);
     histogram.add(squared);
   }
+  result.indices.resize(kept);
   result.median_range = histogram.median();
   return result;
 }
@@ -73,17 +76,17 @@ VoxelScale::VoxelScale(int wanted, double min_voxel, double max_voxel)
 
 double VoxelScale::current(double median_range) {
   if (voxel_ == 0 && median_range > 0) {
-    voxel_ = std::clamp(std::exp2(std::round(2.0 * std::log2(kVoxelPerRange * median_range)) / 2.0), min_voxel_, max_voxel_);
+    voxel_ = std::clamp(std::exp2(std::round(4.0 * std::log2(kVoxelPerRange * median_range)) / 4.0), min_voxel_, max_voxel_);
   }
   return voxel_ > 0 ? voxel_ : max_voxel_;
 }
 
 bool VoxelScale::adapt(std::size_t thinned, std::size_t cropped) {
   if (voxel_ == 0 || cropped == 0) return false;
-  // A sparse scan cannot give more than it has; half of it is what a map can be made of.
-  const double wanted = std::min(wanted_, 0.5 * static_cast<double>(cropped));
+  // A voxel smaller than a few points of a scan is no thinning, and its surfaces are made of noise.
+  const double wanted = std::min(wanted_, static_cast<double>(cropped) / kPointsPerVoxel);
   const double count = static_cast<double>(thinned), before = voxel_;
-  // Counts go like 1/v^2 on surfaces: one step doubles them at most, and the band is wider than that.
+  // Counts go like 1/v^2 on surfaces, so by 1.41 a step; the band from one edge to the other is wider than that.
   if (count > kBand * wanted) voxel_ *= kStep;
   if (count * kBand < wanted) voxel_ /= kStep;
   voxel_ = std::clamp(voxel_, min_voxel_, max_voxel_);
@@ -93,6 +96,7 @@ bool VoxelScale::adapt(std::size_t thinned, std::size_t cropped) {
 PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, VoxelScale* scale, bool first,
                        int max_source_points) {
   PreparedScan result;
+  result.median_range = cropped.median_range;
   std::vector<std::uint32_t> fine;
   // The first scan settles the size; later ones change it by one step at a time, for the scan after them.
   for (int round = 0; round < (first ? kSettlingRounds : 1); ++round) {

@@ -38,6 +38,7 @@ struct PreparedScan {
   PointCloud fine;    ///< one point a map voxel: becomes the keyframe
   PointCloud source;  ///< a coarser part of it: is aligned
   double voxel = 0;   ///< metres, of `fine`
+  double median_range = 0;  ///< metres
 };
 PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, VoxelScale* scale, bool first,
                        int max_source_points);

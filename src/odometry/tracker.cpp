@@ -21,7 +21,10 @@ constexpr std::size_t kLeastPoints = 30;  // fewer cannot fix six numbers agains
 
 /// A residual's variance as the filter sees it: neighbouring residuals share the error of their surface, so a scan of
 /// thousands of points knows less than as many independent measurements.
-constexpr double kVarianceInflation = 4.0;
+constexpr double kVarianceInflation = 20.0;
+/// Kernels and gates are this share of the median range, where the voxel is smaller: how far a prediction is off
+/// depends on the scene and the motion, not on the density of the sensor.
+constexpr double kReach = 0.04;
 constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is better
 constexpr double kFirstSigma = 0.03;
 constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on Gaussian residuals
@@ -82,11 +85,11 @@ struct Tracker::State {
 
   // ---- alignment ----------------------------------------------------------------------------------------------
 
-  ScanAlignmentOptions options(double voxel, bool wide) const {
+  ScanAlignmentOptions options(double reach, bool wide) const {
     ScanAlignmentOptions result;
     result.nu_min = kKernel * sigma;
-    result.nu_max = (wide ? 20.0 : 8.0) * voxel;
-    result.gate_margin = (wide ? 3.0 : 1.5) * voxel;
+    result.nu_max = (wide ? 20.0 : 8.0) * reach;
+    result.gate_margin = (wide ? 3.0 : 1.5) * reach;
     result.sigma = sigma * std::sqrt(kVarianceInflation);
     result.threads = config.threads;
     return result;
@@ -97,11 +100,13 @@ struct Tracker::State {
     attempt.prior = prior;
     MotionPrior local = prior;  // coordinates of the map are relative to its origin
     local.mean.pose.translation() -= map.origin();
-    attempt.alignment = aligner.align(scan.source, map.target(), local, options(scan.voxel, wide));
+    attempt.alignment = aligner.align(scan.source, map.target(), local, options(std::max(scan.voxel, kReach * scan.median_range), wide));
     attempt.alignment.moving.pose.translation() += map.origin();
     attempt.health = health.assess(aligner.residuals(), aligner.weights(), kKernel * sigma);
     return attempt;
   }
+
+  static Attempt better(Attempt a, Attempt b) { return b.cost() < a.cost() ? std::move(b) : std::move(a); }
 
   bool trusted(const Attempt& attempt) const {
     const Health& h = attempt.health;
@@ -118,11 +123,10 @@ struct Tracker::State {
     loose.information *= 0.01;
     MotionPrior standing = loose;
     standing.mean = {last_trusted_pose, Vector6::Zero()};
-    for (const MotionPrior& start : {loose, standing}) {
-      Attempt attempt = align(scan, start, true);
-      if (attempt.cost() < best.cost()) best = std::move(attempt);
-      if (trusted(best)) break;
-    }
+    // A lost tracker tries on every scan: one start each, in turn, keeps it within the time of a scan.
+    const bool try_loose = !lost() || distrusted_scans % 2 == 1, try_standing = !lost() || !try_loose;
+    if (try_loose) best = better(std::move(best), align(scan, loose, true));
+    if (try_standing && !trusted(best)) best = better(std::move(best), align(scan, standing, true));
     return best;
   }
 

@@ -13,7 +13,7 @@ struct TrackerConfig {
   double max_range_m = 120.0;  ///< returns farther than this are dropped
   int threads = 1;             ///< worker threads of one alignment; the result does not depend on it
 
-  int map_points_per_scan = 10000;  ///< the voxel of the map is chosen to leave about so many points of a scan
+  int map_points_per_scan = 14000;  ///< the voxel of the map is chosen to leave about so many points of a scan
   double min_voxel_m = 0.05;
   double max_voxel_m = 1.0;
   int max_source_points = 2500;  ///< points of a scan that are aligned
