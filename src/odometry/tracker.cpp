@@ -21,7 +21,7 @@ constexpr std::size_t kLeastPoints = 30;  // fewer cannot fix six numbers agains
 
 /// A residual's variance as the filter sees it: neighbouring residuals share the error of their surface, so a scan of
 /// thousands of points knows less than as many independent measurements.
-constexpr double kVarianceInflation = 20.0;
+constexpr double kVarianceInflation = 10;
 /// Kernels and gates are this share of the median range, where the voxel is smaller: how far a prediction is off
 /// depends on the scene and the motion, not on the density of the sensor.
 constexpr double kReach = 0.04;
