@@ -12,7 +12,8 @@ void ByteReader::fail(DecodeFault fault, std::string error) {
 
 void ByteReader::fail_truncated(std::size_t bytes, const char* member) {
   fail(DecodeFault::kTruncated, std::string("the message ends within `") + member + "`: it needs " +
-                                    std::to_string(bytes) + " bytes and " + std::to_string(bytes_left()) + " are left");
+                                    std::to_string(bytes) + " bytes and " + std::to_string(bytes_left()) +
+                                    " are left");
 }
 
 std::size_t ByteReader::checked_count(std::int64_t count, const char* member, std::size_t bytes_each) {
@@ -23,9 +24,9 @@ std::size_t ByteReader::checked_count(std::int64_t count, const char* member, st
   }
   // Divide rather than multiply: the product of a forged count may overflow.
   if (bytes_each > 0 && static_cast<std::uint64_t>(count) > bytes_left() / bytes_each) {
-    fail(DecodeFault::kTruncated, std::string("`") + member + "` announces " + std::to_string(count) + " elements of " +
-                                      std::to_string(bytes_each) + " bytes and " + std::to_string(bytes_left()) +
-                                      " bytes are left");
+    fail(DecodeFault::kTruncated, std::string("`") + member + "` announces " + std::to_string(count) +
+                                      " elements of " + std::to_string(bytes_each) + " bytes and " +
+                                      std::to_string(bytes_left()) + " bytes are left");
     return 0;
   }
   return static_cast<std::size_t>(count);
@@ -52,7 +53,8 @@ std::string_view ByteReader::read_string(const char* member) {
   const std::size_t length = read_count_i32(member, 1);
   if (!ok()) return {};
   if (length == 0) {
-    fail(DecodeFault::kBadSize, std::string("the string `") + member + "` has no terminating zero: its length is 0");
+    fail(DecodeFault::kBadSize,
+         std::string("the string `") + member + "` has no terminating zero: its length is 0");
     return {};
   }
   const ByteView view = read_bytes(length, member);

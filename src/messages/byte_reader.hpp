@@ -18,9 +18,9 @@ struct ByteView {
   std::size_t size = 0;
 };
 
-/// Reads big-endian LCM data member by member and cannot read outside. The first thing that is wrong is kept as a fault
-/// with a sentence naming the member; from then on every read gives zeros, so that a decoder may be written straight
-/// on and ask `ok()` before it acts on what it read (above all: before it allocates).
+/// Reads big-endian LCM data member by member and cannot read outside. The first thing that is wrong is kept
+/// as a fault with a sentence naming the member; from then on every read gives zeros, so that a decoder may
+/// be written straight on and ask `ok()` before it acts on what it read (above all: before it allocates).
 class ByteReader {
  public:
   ByteReader(const std::uint8_t* data, std::size_t size) : data_(data), size_(data == nullptr ? 0 : size) {}
@@ -51,7 +51,8 @@ class ByteReader {
     for (std::size_t i = 0; i < count; ++i) values[i] = read_double(member);
   }
 
-  /// A number of elements that each take at least `bytes_each` bytes further on; 0 unless they can all be there.
+  /// A number of elements that each take at least `bytes_each` bytes further on; 0 unless they can all be
+  /// there.
   std::size_t read_count_i16(const char* member, std::size_t bytes_each);
   std::size_t read_count_i32(const char* member, std::size_t bytes_each);
   std::size_t read_count_i64(const char* member, std::size_t bytes_each);

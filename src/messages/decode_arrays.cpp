@@ -13,10 +13,12 @@
 namespace scanlock {
 namespace {
 
-bool check_point_count(std::size_t count, const char* member, const DecodeLimits& limits, ByteReader& reader) {
+bool check_point_count(std::size_t count, const char* member, const DecodeLimits& limits,
+                       ByteReader& reader) {
   if (reader.ok() && count > limits.max_points)
     reader.fail(DecodeFault::kBadSize, std::string("`") + member + "` is " + std::to_string(count) +
-                                           ", over the limit of " + std::to_string(limits.max_points) + " points");
+                                           ", over the limit of " + std::to_string(limits.max_points) +
+                                           " points");
   return reader.ok();
 }
 
@@ -33,13 +35,18 @@ std::int16_t int16_at(ByteView view, std::size_t index) {
   return static_cast<std::int16_t>(view.data[2 * index] << 8 | view.data[2 * index + 1]);
 }
 
-float finite_or_zero(float value) { return std::isfinite(value) ? value : 0.0f; }
+float finite_or_zero(float value) {
+  return std::isfinite(value) ? value : 0.0f;
+}
 
 /// Appends the point unless it is not finite or the origin; says whether it did.
 bool keep_point(float x, float y, float z, DecodedScan& decoded) {
-  const bool usable = std::isfinite(x) && std::isfinite(y) && std::isfinite(z) && (x != 0 || y != 0 || z != 0);
-  if (usable) decoded.scan.points.push_back(x, y, z);
-  else ++decoded.nonfinite_points;
+  const bool usable =
+      std::isfinite(x) && std::isfinite(y) && std::isfinite(z) && (x != 0 || y != 0 || z != 0);
+  if (usable)
+    decoded.scan.points.push_back(x, y, z);
+  else
+    ++decoded.nonfinite_points;
   return usable;
 }
 
@@ -85,11 +92,12 @@ void decode_pointcloud(ByteReader& reader, const DecodeLimits& limits, DecodedSc
     const bool kept = keep_point(float_at(coordinates, 3 * i), float_at(coordinates, 3 * i + 1),
                                  float_at(coordinates, 3 * i + 2), decoded);
     if (kept && times.data != nullptr) raw_times.push_back(static_cast<double>(float_at(times, i)));
-    if (kept && intensities.data != nullptr) points.intensity.push_back(finite_or_zero(float_at(intensities, i)));
+    if (kept && intensities.data != nullptr)
+      points.intensity.push_back(finite_or_zero(float_at(intensities, i)));
   }
   decoded.time_field = times.data == nullptr ? "no time channel"
-                                             : interpret_times(time_name, TimeKind::kFloat32, decoded.scan.utime,
-                                                               raw_times, points.time);
+                                             : interpret_times(time_name, TimeKind::kFloat32,
+                                                               decoded.scan.utime, raw_times, points.time);
 }
 
 void decode_planar_lidar(ByteReader& reader, const DecodeLimits& limits, DecodedScan& decoded) {
@@ -111,7 +119,8 @@ void decode_planar_lidar(ByteReader& reader, const DecodeLimits& limits, Decoded
 
   decoded.scan.points.reserve(count);
   for (std::size_t i = 0; i < count; ++i)
-    if (keep_beam(float_at(ranges, i), first_angle + static_cast<float>(i) * angle_step, decoded) && intensity_count > 0)
+    if (keep_beam(float_at(ranges, i), first_angle + static_cast<float>(i) * angle_step, decoded) &&
+        intensity_count > 0)
       decoded.scan.points.intensity.push_back(finite_or_zero(float_at(intensities, i)));
   decoded.time_field = "no time of each beam in this type";
 }
@@ -158,17 +167,20 @@ void decode_scan_sector(ByteReader& reader, const DecodeLimits& limits, DecodedS
   const std::size_t intensity_count = reader.read_count_i32("num_intensities", 1);
   const ByteView intensities = reader.read_bytes(intensity_count, "intensities");
   reader.expect_end();
-  if (reader.ok() && (decoded.sector_count < 1 || decoded.sector_index < 0 ||
-                      decoded.sector_index >= decoded.sector_count))
+  if (reader.ok() &&
+      (decoded.sector_count < 1 || decoded.sector_index < 0 || decoded.sector_index >= decoded.sector_count))
     reader.fail(DecodeFault::kBadSize, "`sector_index` " + std::to_string(decoded.sector_index) +
-                                           " is not below `sector_count` " + std::to_string(decoded.sector_count));
-  if (reader.ok() && ((time_count != 0 && time_count != count) || (intensity_count != 0 && intensity_count != count)))
+                                           " is not below `sector_count` " +
+                                           std::to_string(decoded.sector_count));
+  if (reader.ok() &&
+      ((time_count != 0 && time_count != count) || (intensity_count != 0 && intensity_count != count)))
     reader.fail(DecodeFault::kBadSize, "`num_times` or `num_intensities` is neither 0 nor `num_points`");
   // Within a hundred seconds of the stamp: no scan comes near, and no product below leaves a float's range.
   const auto plausible = [](float value) { return std::isfinite(value) && std::abs(value) <= 100.0f; };
-  if (reader.ok() && (!(plausible(scale) && scale > 0) || !plausible(time_origin) || !plausible(time_scale * 32768.0f) ||
-                      !std::isfinite(intensity_scale)))
-    reader.fail(DecodeFault::kBadField, "`coordinate_scale`, `time_origin`, `time_scale` or `intensity_scale` makes no sense");
+  if (reader.ok() && (!(plausible(scale) && scale > 0) || !plausible(time_origin) ||
+                      !plausible(time_scale * 32768.0f) || !std::isfinite(intensity_scale)))
+    reader.fail(DecodeFault::kBadField,
+                "`coordinate_scale`, `time_origin`, `time_scale` or `intensity_scale` makes no sense");
   if (!reader.ok()) return;
 
   PointCloud& points = decoded.scan.points;
@@ -177,7 +189,8 @@ void decode_scan_sector(ByteReader& reader, const DecodeLimits& limits, DecodedS
     if (!keep_point(scale * static_cast<float>(int16_at(x, i)), scale * static_cast<float>(int16_at(y, i)),
                     scale * static_cast<float>(int16_at(z, i)), decoded))
       continue;
-    if (time_count > 0) points.time.push_back(time_origin + time_scale * static_cast<float>(int16_at(times, i)));
+    if (time_count > 0)
+      points.time.push_back(time_origin + time_scale * static_cast<float>(int16_at(times, i)));
     if (intensity_count > 0)
       points.intensity.push_back(finite_or_zero(intensity_scale * static_cast<float>(intensities.data[i])));
   }

@@ -89,8 +89,8 @@ Bytes encode_pose2d(const TrackedScan& tracked) {
   return generated_bytes(message);
 }
 
-Bytes encode_nav_odometry(const TrackedScan& tracked, const std::string& frame_id, const std::string& child_frame_id,
-                          std::int32_t seq) {
+Bytes encode_nav_odometry(const TrackedScan& tracked, const std::string& frame_id,
+                          const std::string& child_frame_id, std::int32_t seq) {
   nav_msgs::Odometry message{};
   message.header.seq = seq;
   message.header.stamp = time_of(tracked.utime);

@@ -39,7 +39,8 @@ std::vector<std::uint8_t> packed(const std::vector<Column>& columns, std::size_t
   const std::size_t step = 4 * columns.size();
   std::vector<std::uint8_t> data(count * step);
   for (std::size_t c = 0; c < columns.size(); ++c)
-    for (std::size_t i = 0; i < count; ++i) store_little_endian((*columns[c].values)[i], &data[i * step + 4 * c]);
+    for (std::size_t i = 0; i < count; ++i)
+      store_little_endian((*columns[c].values)[i], &data[i * step + 4 * c]);
   return data;
 }
 
@@ -131,7 +132,8 @@ Bytes encode_pointcloud(const Scan& scan, const ScanTags& tags) {
   message.frame_id = wire_string(tags.frame_id);
   message.n_points = static_cast<std::int32_t>(points.size());
   message.points.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) message.points.push_back({points.x[i], points.y[i], points.z[i]});
+  for (std::size_t i = 0; i < points.size(); ++i)
+    message.points.push_back({points.x[i], points.y[i], points.z[i]});
   if (points.has_intensity()) {
     message.channel_names.emplace_back("intensity");
     message.channels.push_back(points.intensity);

@@ -23,13 +23,16 @@ Order sweep_order(const PointCloud& points) {
   Order order;
   order.reserve(points.size());
   const auto usable = [](float c) { return std::abs(c) <= kMaxCoordinate; };  // false for NaN
-  const auto timely = [&](std::uint32_t i) { return !points.has_times() || std::abs(points.time[i]) <= kMaxTime; };
+  const auto timely = [&](std::uint32_t i) {
+    return !points.has_times() || std::abs(points.time[i]) <= kMaxTime;
+  };
   for (std::uint32_t i = 0; i < points.size(); ++i)
     if (usable(points.x[i]) && usable(points.y[i]) && usable(points.z[i]) && timely(i)) order.push_back(i);
   std::vector<float> key(points.size());
   for (const std::uint32_t i : order)
     key[i] = points.has_times() ? points.time[i] : std::atan2(points.y[i], points.x[i]);
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key[a] < key[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return key[a] < key[b]; });
   return order;
 }
 
@@ -79,7 +82,8 @@ void set_intensities(const PointCloud& points, const Order& order, std::size_t b
   sector.intensity_scale = largest > 0 && std::isfinite(largest) ? largest / 255.0f : 1.0f;
   for (std::size_t k = begin; k < end; ++k) {
     const float counts = points.intensity[order[k]] / sector.intensity_scale;
-    sector.intensities.push_back(static_cast<std::uint8_t>(counts > 0 ? std::lround(std::min(counts, 255.0f)) : 0));
+    sector.intensities.push_back(
+        static_cast<std::uint8_t>(counts > 0 ? std::lround(std::min(counts, 255.0f)) : 0));
   }
   sector.num_intensities = sector.num_points;
 }

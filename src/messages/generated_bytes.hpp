@@ -9,7 +9,8 @@
 
 namespace scanlock {
 
-/// The bytes of a message that we filled ourselves: lcm-gen's encoder is sound when the counts match the arrays.
+/// The bytes of a message that we filled ourselves: lcm-gen's encoder is sound when the counts match the
+/// arrays.
 template <typename Message>
 std::vector<unsigned char> generated_bytes(const Message& message) {
   std::vector<unsigned char> bytes(static_cast<std::size_t>(std::max(0, message.getEncodedSize())));

@@ -43,12 +43,14 @@ Value load(const std::uint8_t* bytes, bool swap) {
 /// Bytes from the start of the data to each point that was kept.
 using Offsets = std::vector<std::uint32_t>;
 
-/// Writes the finite points of the cloud one after another, and where they came from. The arrays have room for all.
+/// Writes the finite points of the cloud one after another, and where they came from. The arrays have room
+/// for all.
 template <typename Coordinate, bool kSwap>
 std::size_t unpack_points(const PackedCloud& cloud, PointCloud& points, Offsets& offsets) {
   const std::uint8_t* const data = cloud.data.data;
   const auto width = static_cast<std::size_t>(cloud.width), step = static_cast<std::size_t>(cloud.point_step);
-  const auto x_at = static_cast<std::size_t>(cloud.x->offset), y_at = static_cast<std::size_t>(cloud.y->offset),
+  const auto x_at = static_cast<std::size_t>(cloud.x->offset),
+             y_at = static_cast<std::size_t>(cloud.y->offset),
              z_at = static_cast<std::size_t>(cloud.z->offset);
   std::size_t kept = 0;
   for (std::size_t row = 0; row < static_cast<std::size_t>(cloud.height); ++row) {
@@ -74,26 +76,38 @@ void gather(const PackedCloud& cloud, const PackedField& field, bool swap, const
             std::vector<Out>& values) {
   const std::uint8_t* const data = cloud.data.data + field.offset;
   values.resize(offsets.size());
-  for (std::size_t i = 0; i < offsets.size(); ++i) values[i] = static_cast<Out>(load<Value>(data + offsets[i], swap));
+  for (std::size_t i = 0; i < offsets.size(); ++i)
+    values[i] = static_cast<Out>(load<Value>(data + offsets[i], swap));
 }
 
 template <typename Out>
 void gather_any(const PackedCloud& cloud, const PackedField& field, bool swap, const Offsets& offsets,
                 std::vector<Out>& values) {
   switch (field.datatype) {
-    case 1: return gather<std::int8_t>(cloud, field, swap, offsets, values);
-    case 2: return gather<std::uint8_t>(cloud, field, swap, offsets, values);
-    case 3: return gather<std::int16_t>(cloud, field, swap, offsets, values);
-    case 4: return gather<std::uint16_t>(cloud, field, swap, offsets, values);
-    case 5: return gather<std::int32_t>(cloud, field, swap, offsets, values);
-    case 6: return gather<std::uint32_t>(cloud, field, swap, offsets, values);
-    case kFloat32: return gather<float>(cloud, field, swap, offsets, values);
-    case kFloat64: return gather<double>(cloud, field, swap, offsets, values);
-    default: values.clear();
+    case 1:
+      return gather<std::int8_t>(cloud, field, swap, offsets, values);
+    case 2:
+      return gather<std::uint8_t>(cloud, field, swap, offsets, values);
+    case 3:
+      return gather<std::int16_t>(cloud, field, swap, offsets, values);
+    case 4:
+      return gather<std::uint16_t>(cloud, field, swap, offsets, values);
+    case 5:
+      return gather<std::int32_t>(cloud, field, swap, offsets, values);
+    case 6:
+      return gather<std::uint32_t>(cloud, field, swap, offsets, values);
+    case kFloat32:
+      return gather<float>(cloud, field, swap, offsets, values);
+    case kFloat64:
+      return gather<double>(cloud, field, swap, offsets, values);
+    default:
+      values.clear();
   }
 }
 
-void fail_size(ByteReader& reader, const std::string& sentence) { reader.fail(DecodeFault::kBadSize, sentence); }
+void fail_size(ByteReader& reader, const std::string& sentence) {
+  reader.fail(DecodeFault::kBadSize, sentence);
+}
 
 /// A missing field is fine here; one that does not fit into the point is not.
 bool field_fits(const std::optional<PackedField>& field, std::int64_t point_step, ByteReader& reader) {
@@ -118,19 +132,22 @@ bool check_sizes(PackedCloud& cloud, const DecodeLimits& limits, ByteReader& rea
     fail_size(reader, "`width` or `height` is negative: " + std::to_string(cloud.width) + " x " +
                           std::to_string(cloud.height));
   } else if (cloud.height > 0 && cloud.width > max_points / cloud.height) {
-    fail_size(reader, "`width` x `height` is " + std::to_string(cloud.width) + " x " + std::to_string(cloud.height) +
-                          ", over the limit of " + std::to_string(max_points) + " points");
+    fail_size(reader, "`width` x `height` is " + std::to_string(cloud.width) + " x " +
+                          std::to_string(cloud.height) + ", over the limit of " + std::to_string(max_points) +
+                          " points");
   } else if (cloud.width * cloud.height == 0) {
-    if (bytes > 0) fail_size(reader, "`width` x `height` is 0, and there are " + std::to_string(bytes) + " data bytes");
+    if (bytes > 0)
+      fail_size(reader, "`width` x `height` is 0, and there are " + std::to_string(bytes) + " data bytes");
   } else if (cloud.point_step <= 0 || cloud.point_step > bytes) {
-    fail_size(reader, "`point_step` is " + std::to_string(cloud.point_step) + " with " + std::to_string(bytes) +
-                          " data bytes");
+    fail_size(reader, "`point_step` is " + std::to_string(cloud.point_step) + " with " +
+                          std::to_string(bytes) + " data bytes");
   } else {
     const std::int64_t packed_row = cloud.width * cloud.point_step;
     if (cloud.row_step == 0 || cloud.height == 1) cloud.row_step = packed_row;  // often not filled in
     if (cloud.row_step < packed_row || cloud.row_step > bytes) {
-      fail_size(reader, "`row_step` is " + std::to_string(cloud.row_step) + ", and a row of `width` x `point_step` takes " +
-                            std::to_string(packed_row) + " of " + std::to_string(bytes) + " data bytes");
+      fail_size(reader, "`row_step` is " + std::to_string(cloud.row_step) +
+                            ", and a row of `width` x `point_step` takes " + std::to_string(packed_row) +
+                            " of " + std::to_string(bytes) + " data bytes");
       return false;
     }
     const std::int64_t needed = (cloud.height - 1) * cloud.row_step + packed_row;
@@ -148,7 +165,8 @@ bool check_fields(const PackedCloud& cloud, ByteReader& reader) {
       reader.fail(DecodeFault::kBadField, std::string("there is no field `") + name + "`");
     } else if (field->datatype != kFloat32 && field->datatype != kFloat64) {
       reader.fail(DecodeFault::kBadField, std::string("field `") + name + "` has datatype " +
-                                              std::to_string(field->datatype) + "; 7 (float32) or 8 (float64) is read");
+                                              std::to_string(field->datatype) +
+                                              "; 7 (float32) or 8 (float64) is read");
     }
     return field_fits(field, cloud.point_step, reader);
   };
@@ -157,7 +175,8 @@ bool check_fields(const PackedCloud& cloud, ByteReader& reader) {
     reader.fail(DecodeFault::kBadField, "fields `x`, `y` and `z` are of different types");
     return false;
   }
-  return field_fits(cloud.intensity, cloud.point_step, reader) && field_fits(cloud.time, cloud.point_step, reader);
+  return field_fits(cloud.intensity, cloud.point_step, reader) &&
+         field_fits(cloud.time, cloud.point_step, reader);
 }
 
 std::string unpack_times(const PackedCloud& cloud, bool swap, const Offsets& offsets, Scan& scan) {
@@ -165,14 +184,16 @@ std::string unpack_times(const PackedCloud& cloud, bool swap, const Offsets& off
   TimeKind kind = TimeKind::kInteger;
   if (cloud.time->datatype == kFloat32) kind = TimeKind::kFloat32;
   if (cloud.time->datatype == kFloat64) kind = TimeKind::kFloat64;
-  if (cloud.time->datatype < 5) return "`" + cloud.time->name + "` is ignored: an integer of less than 32 bits";
+  if (cloud.time->datatype < 5)
+    return "`" + cloud.time->name + "` is ignored: an integer of less than 32 bits";
   std::vector<double> raw;
   gather_any(cloud, *cloud.time, swap, offsets, raw);
   return interpret_times(cloud.time->name, kind, scan.utime, raw, scan.points.time);
 }
 
 int intensity_name_rank(std::string_view name) {
-  constexpr std::array<std::string_view, 5> kNames = {"intensity", "i", "reflectivity", "reflectance", "remission"};
+  constexpr std::array<std::string_view, 5> kNames = {"intensity", "i", "reflectivity", "reflectance",
+                                                      "remission"};
   for (std::size_t i = 0; i < kNames.size(); ++i)
     if (name == kNames[i]) return static_cast<int>(i);
   return -1;
@@ -201,7 +222,8 @@ void unpack(const PackedCloud& given, const DecodeLimits& limits, ByteReader& re
   if (!reader.ok() || !check_sizes(cloud, limits, reader)) return;
   const auto total = static_cast<std::size_t>(cloud.width * cloud.height);
   if (total == 0 || !check_fields(cloud, reader)) return;
-  if (cloud.data.size > std::numeric_limits<std::uint32_t>::max()) return fail_size(reader, "over 4 GB of data");
+  if (cloud.data.size > std::numeric_limits<std::uint32_t>::max())
+    return fail_size(reader, "over 4 GB of data");
 
   PointCloud& points = decoded.scan.points;
   points.x.resize(total);

@@ -14,8 +14,8 @@ constexpr double kMaxSecondsFromStamp = 10.0;  // no scan lasts longer
 
 /// One way to read the numbers: seconds = (number - origin) * scale.
 struct Reading {
-  double scale = 1;       ///< seconds a unit
-  double origin = 0;      ///< in units
+  double scale = 1;   ///< seconds a unit
+  double origin = 0;  ///< in units
   const char* words = "";
 };
 
@@ -47,7 +47,8 @@ const Unit* split_unit(std::string& name) {
   const std::size_t underscore = name.rfind('_');
   if (underscore == std::string::npos) return nullptr;
   std::string suffix = name.substr(underscore + 1);
-  if (suffix == "sec" || suffix == "msec" || suffix == "usec" || suffix == "nsec") suffix.resize(suffix.size() - 2);
+  if (suffix == "sec" || suffix == "msec" || suffix == "usec" || suffix == "nsec")
+    suffix.resize(suffix.size() - 2);
   for (const Unit& unit : kUnits)
     if (suffix == unit.suffix) {
       name.resize(underscore);
@@ -57,7 +58,9 @@ const Unit* split_unit(std::string& name) {
 }
 
 /// Seconds from the instant 0 to the interval [first, last].
-double distance_to_interval(double first, double last) { return std::max({first, -last, 0.0}); }
+double distance_to_interval(double first, double last) {
+  return std::max({first, -last, 0.0});
+}
 
 class ReadingChoice {
  public:
@@ -66,10 +69,13 @@ class ReadingChoice {
 
   void consider_relative(const Unit& unit) { consider({unit.scale, 0, unit.relative}); }
   void consider_absolute(const Unit& unit) {
-    const double year_2001 = 1e9, year_2096 = 4e9;  // without a stamp, only what is surely a time since the epoch
+    const double year_2001 = 1e9,
+                 year_2096 = 4e9;  // without a stamp, only what is surely a time since the epoch
     const bool surely_epoch = smallest_ * unit.scale > year_2001 && largest_ * unit.scale < year_2096;
-    if (utime_ > 0) consider({unit.scale, static_cast<double>(utime_) * 1e-6 / unit.scale, unit.absolute});
-    else if (surely_epoch) consider({unit.scale, smallest_, unit.absolute});
+    if (utime_ > 0)
+      consider({unit.scale, static_cast<double>(utime_) * 1e-6 / unit.scale, unit.absolute});
+    else if (surely_epoch)
+      consider({unit.scale, smallest_, unit.absolute});
   }
   const Reading* best() const { return distance_ <= kMaxSecondsFromStamp ? &best_ : nullptr; }
 
@@ -107,9 +113,10 @@ void consider_readings(ReadingChoice& choice, const Unit* named, TimeKind kind) 
 }  // namespace
 
 std::optional<int> time_name_rank(std::string_view name) {
-  constexpr std::array<std::string_view, 13> kNames = {"t",          "time",     "offset_time",   "time_offset", "timestamp",
-                                                       "time_stamp", "rel_time", "relative_time", "point_time",  "dt",
-                                                       "ts",         "stamp",    "timeoffset"};
+  constexpr std::array<std::string_view, 13> kNames = {
+      "t",          "time",     "offset_time",   "time_offset", "timestamp",
+      "time_stamp", "rel_time", "relative_time", "point_time",  "dt",
+      "ts",         "stamp",    "timeoffset"};
   if (name.size() > 32) return std::nullopt;
   std::string base = lower(name);
   for (int pass = 0; pass < 2; ++pass) {
@@ -120,8 +127,8 @@ std::optional<int> time_name_rank(std::string_view name) {
   return std::nullopt;
 }
 
-std::string interpret_times(std::string_view name, TimeKind kind, std::int64_t utime, const std::vector<double>& raw,
-                            std::vector<float>& seconds) {
+std::string interpret_times(std::string_view name, TimeKind kind, std::int64_t utime,
+                            const std::vector<double>& raw, std::vector<float>& seconds) {
   seconds.clear();
   if (raw.empty()) return {};
   const std::string quoted = "`" + std::string(name) + "`";
@@ -137,7 +144,8 @@ std::string interpret_times(std::string_view name, TimeKind kind, std::int64_t u
   consider_readings(choice, named, kind);
   const Reading* reading = choice.best();
   if (reading == nullptr)
-    return quoted + " is ignored: its values, " + std::to_string(smallest) + " to " + std::to_string(largest) +
+    return quoted + " is ignored: its values, " + std::to_string(smallest) + " to " +
+           std::to_string(largest) +
            ", are neither relative to the stamp nor near it (say the unit in the name: _s, _us, _ns)";
   seconds.resize(raw.size());
   for (std::size_t i = 0; i < raw.size(); ++i)

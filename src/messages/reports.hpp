@@ -10,15 +10,15 @@
 
 namespace scanlock {
 
-/// Milliseconds of each stage of the work on one scan; all zero in a replay, so that its output does not depend on
-/// the machine.
+/// Milliseconds of each stage of the work on one scan; all zero in a replay, so that its output does not
+/// depend on the machine.
 struct StageTimes {
-  float decode_ms = 0;      ///< checking and unpacking the message
-  float wait_ms = 0;        ///< from there until the worker took the scan
+  float decode_ms = 0;  ///< checking and unpacking the message
+  float wait_ms = 0;    ///< from there until the worker took the scan
   float preprocess_ms = 0;
   float align_ms = 0;
   float map_ms = 0;
-  float total_ms = 0;       ///< from arrival to publishing
+  float total_ms = 0;  ///< from arrival to publishing
 };
 
 /// What scanlock.odometry_t says beyond the TrackedScan.
@@ -29,7 +29,7 @@ struct OdometryContext {
   std::int32_t scan_seq = 0;
   std::string frame_id = "map";
   std::string child_frame_id = "body";
-  float age_ms = 0;             ///< from the stamp of the scan to the publishing
+  float age_ms = 0;  ///< from the stamp of the scan to the publishing
   StageTimes times;
 };
 
@@ -39,7 +39,8 @@ struct OdometryReport {
   OdometryContext context;
 };
 
-/// The contents of scanlock.status_t; each member is explained in lcmtypes/status_t.lcm. Counters count since the start.
+/// The contents of scanlock.status_t; each member is explained in lcmtypes/status_t.lcm. Counters count since
+/// the start.
 struct StatusReport {
   std::int64_t utime = 0;
   std::int64_t uptime_us = 0;

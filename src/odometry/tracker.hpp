@@ -32,12 +32,12 @@ const char* to_string(PoseMethod method);
 enum class StopReason : std::int8_t { kNone = 0, kConverged = 1, kIterations = 2, kTooFewPoints = 3, kDiverged = 4 };
 const char* to_string(StopReason reason);
 
-/// Why a scan was not tracked at all; the state is then untouched.
+/// What became of a scan. After one with a bad time the tracker is as before; after an empty one the pose is predicted.
 enum class ScanVerdict : std::int8_t {
   kTracked = 0,
-  kEmpty = 1,         ///< no finite point within the range limits
-  kDuplicateTime = 2, ///< same utime as the scan before
-  kBackwardTime = 3,  ///< earlier than the scan before, by less than `restart_after_s`
+  kEmpty = 1,          ///< too few finite points within the range limits
+  kDuplicateTime = 2,  ///< same utime as the scan before
+  kBackwardTime = 3,   ///< earlier than the scan before, by less than `restart_after_s`
 };
 const char* to_string(ScanVerdict verdict);
 

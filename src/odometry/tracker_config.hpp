@@ -13,7 +13,15 @@ struct TrackerConfig {
   double max_range_m = 120.0;  ///< returns farther than this are dropped
   int threads = 1;             ///< worker threads of one alignment; the result does not depend on it
 
-  int max_keyframes = 40;
+  int map_points_per_scan = 10000;  ///< the voxel of the map is chosen to leave about so many points of a scan
+  double min_voxel_m = 0.05;
+  double max_voxel_m = 1.0;
+  int max_source_points = 2500;  ///< points of a scan that are aligned
+
+  double acceleration = 5.0;           ///< m/s^2 that the robot may well reach, for the prediction
+  double angular_acceleration = 10.0;  ///< rad/s^2, likewise
+
+  int max_keyframes = 60;
   int max_map_points = 200000;
   double restart_after_s = 1.0;  ///< a scan earlier than its predecessor by more than this starts anew (a log that loops)
 };

@@ -27,7 +27,8 @@ struct Packer {
   void put(Value value) {
     std::uint8_t bytes[sizeof value];
     std::memcpy(bytes, &value, sizeof value);  // the tests run on little-endian machines
-    for (std::size_t i = 0; i < sizeof value; ++i) data.push_back(bytes[big_endian ? sizeof value - 1 - i : i]);
+    for (std::size_t i = 0; i < sizeof value; ++i)
+      data.push_back(bytes[big_endian ? sizeof value - 1 - i : i]);
   }
 };
 
@@ -93,12 +94,12 @@ TEST_CASE("pointcloud2 in any order with padding, doubles, either byte order, pa
     Packer packer{big_endian, {}};
     for (int row = 0; row < 2; ++row) {
       for (int column = 0; column < 2; ++column) {
-        packer.put(std::uint16_t{0xffff});  // something we do not know
-        packer.put(10.0 * row + column);    // z
-        packer.put(std::uint8_t{200});      // intensity
+        packer.put(std::uint16_t{0xffff});    // something we do not know
+        packer.put(10.0 * row + column);      // z
+        packer.put(std::uint8_t{200});        // intensity
         packer.put(std::uint32_t{50000000});  // t
-        packer.put(1.5);                    // x
-        packer.put(-2.5);                   // y
+        packer.put(1.5);                      // x
+        packer.put(-2.5);                     // y
       }
       for (int i = 0; i < 5; ++i) packer.put(std::uint8_t{0xee});
     }
@@ -126,7 +127,8 @@ TEST_CASE("pointcloud2 in any order with padding, doubles, either byte order, pa
 TEST_CASE("points that are not finite or exactly the origin are left out and counted") {
   const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
   Packer packer;
-  for (const float value : {nan, 2.0f, 3.0f, 1.0f, infinity, 3.0f, 0.0f, 0.0f, 0.0f, 7.0f, 0.0f, 0.0f}) packer.put(value);
+  for (const float value : {nan, 2.0f, 3.0f, 1.0f, infinity, 3.0f, 0.0f, 0.0f, 0.0f, 7.0f, 0.0f, 0.0f})
+    packer.put(value);
   auto message = cloud_of(packer.data, 4, 12);
   add_field(message, "x", 0, 7);
   add_field(message, "y", 4, 7);
@@ -167,8 +169,16 @@ TEST_CASE("each wrong member of a pointcloud2 is a fault that names it") {
       {"data bytes", DecodeFault::kBadSize, [](auto& m) { m.width = 1; }},
       {"row_step", DecodeFault::kBadSize, [](auto& m) { m.width = 3; }},
       {"data bytes", DecodeFault::kBadSize, [](auto& m) { m.height = 2; }},
-      {"row_step", DecodeFault::kBadSize, [](auto& m) { m.height = 2; m.row_step = -24; }},
-      {"row_step", DecodeFault::kBadSize, [](auto& m) { m.height = 2; m.row_step = 0x7fffffff; }},
+      {"row_step", DecodeFault::kBadSize,
+       [](auto& m) {
+         m.height = 2;
+         m.row_step = -24;
+       }},
+      {"row_step", DecodeFault::kBadSize,
+       [](auto& m) {
+         m.height = 2;
+         m.row_step = 0x7fffffff;
+       }},
       {"point_step", DecodeFault::kBadSize, [](auto& m) { m.point_step = 0; }},
       {"point_step", DecodeFault::kBadSize, [](auto& m) { m.point_step = -12; }},
       {"point_step", DecodeFault::kBadSize, [](auto& m) { m.point_step = 0x7fffffff; }},
@@ -179,7 +189,8 @@ TEST_CASE("each wrong member of a pointcloud2 is a fault that names it") {
       {"`x` has datatype 5", DecodeFault::kBadField, [](auto& m) { m.fields[0].datatype = 5; }},
       {"`y` has datatype 99", DecodeFault::kBadField, [](auto& m) { m.fields[1].datatype = 99; }},
       {"`t` lies outside", DecodeFault::kBadField, [](auto& m) { add_field(m, "t", 12, 7); }},
-      {"`intensity` has the unknown", DecodeFault::kBadField, [](auto& m) { add_field(m, "intensity", 0, -7); }},
+      {"`intensity` has the unknown", DecodeFault::kBadField,
+       [](auto& m) { add_field(m, "intensity", 0, -7); }},
   };
   for (const Case& spoilt : cases) {
     auto message = two_points();

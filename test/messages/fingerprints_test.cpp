@@ -33,7 +33,8 @@ std::uint64_t generated() {
 
 }  // namespace
 
-// The ecosystem's numbers were computed by other people's copies of these types: a change here is a break with them.
+// The ecosystem's numbers were computed by other people's copies of these types: a change here is a break
+// with them.
 TEST_CASE("the fingerprints of the ecosystem are the golden ones") {
   CHECK(generated<bot_core::pose_t>() == 0x2e16efb052b0105eu);
   CHECK(generated<bot_core::rigid_transform_t>() == 0xea9ffbf2acc5c5aeu);

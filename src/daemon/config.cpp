@@ -1,0 +1,296 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "daemon/config.hpp"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+
+#include "daemon/config_keys.hpp"
+
+namespace scanlock {
+namespace {
+
+std::string to_text(double value) {
+  char buffer[40];
+  const auto end =
+      std::to_chars(buffer, buffer + sizeof buffer, value).ptr;  // the shortest that reads back equal
+  return {buffer, end};
+}
+
+std::string full_name(const ConfigKey& key) {
+  return key.section + "." + key.name;
+}
+
+[[noreturn]] void fail(const std::string& where, const std::string& key, const std::string& what) {
+  throw ConfigError((where.empty() ? "" : where + ": ") + key + ": " + what);
+}
+
+std::string range_text(const ConfigKey& key) {
+  return to_text(key.min) + " to " + to_text(key.max) + (key.unit.empty() ? "" : " " + key.unit);
+}
+
+// ---- checks: one overload for each type of value ------------------------------------------------------
+
+bool in_range(const ConfigKey& key, double value) {
+  return value >= key.min && value <= key.max;
+}  // false for NaN
+
+void check_value(const ConfigKey&, bool, const std::string&) {}
+
+void check_value(const ConfigKey& key, double value, const std::string& where) {
+  if (!in_range(key, value)) fail(where, full_name(key), to_text(value) + " is not in " + range_text(key));
+}
+
+void check_value(const ConfigKey& key, int value, const std::string& where) {
+  check_value(key, static_cast<double>(value), where);
+}
+
+void check_value(const ConfigKey& key, const std::string& value, const std::string& where) {
+  const auto& choices = key.choices;
+  if (!choices.empty() && std::find(choices.begin(), choices.end(), value) == choices.end()) {
+    std::string list;
+    for (const auto& choice : choices) list += (list.empty() ? "" : ", ") + choice;
+    fail(where, full_name(key), "\"" + value + "\" is none of " + list);
+  }
+  if (!in_range(key, static_cast<double>(value.size()))) {
+    fail(where, full_name(key),
+         "has " + std::to_string(value.size()) + " characters; up to " + to_text(key.max) + " are possible");
+  }
+  if (value.find('\0') != std::string::npos) fail(where, full_name(key), "holds a zero byte");
+}
+
+void check_value(const ConfigKey& key, const std::vector<std::string>& values, const std::string& where) {
+  if (!in_range(key, static_cast<double>(values.size()))) {
+    fail(where, full_name(key),
+         "has " + std::to_string(values.size()) + " entries; " + range_text(key) + " are possible");
+  }
+  for (const auto& value : values) {  // a list of channels is the only kind of list there is
+    if (value.empty() || value.size() > 63)
+      fail(where, full_name(key), "\"" + value + "\" is no channel: 1 to 63 characters");
+    if (std::count(values.begin(), values.end(), value) > 1)
+      fail(where, full_name(key), "\"" + value + "\" is there twice");
+  }
+}
+
+// ---- reading --------------------------------------------------------------------------------------------
+
+void read_value(const toml::node& node, const ConfigKey& key, const std::string& where, bool& out) {
+  if (!node.is_boolean()) fail(where, full_name(key), "expects true or false");
+  out = node.as_boolean()->get();
+}
+
+void read_value(const toml::node& node, const ConfigKey& key, const std::string& where, int& out) {
+  if (!node.is_integer()) fail(where, full_name(key), "expects a whole number in " + range_text(key));
+  const std::int64_t value = node.as_integer()->get();
+  if (!in_range(key, static_cast<double>(value))) {
+    fail(where, full_name(key), std::to_string(value) + " is not in " + range_text(key));
+  }
+  out = static_cast<int>(value);
+}
+
+void read_value(const toml::node& node, const ConfigKey& key, const std::string& where, double& out) {
+  if (node.is_integer()) {
+    out = static_cast<double>(node.as_integer()->get());
+  } else if (node.is_floating_point()) {
+    out = node.as_floating_point()->get();
+  } else {
+    fail(where, full_name(key), "expects a number in " + range_text(key));
+  }
+}
+
+void read_value(const toml::node& node, const ConfigKey& key, const std::string& where, std::string& out) {
+  if (!node.is_string()) fail(where, full_name(key), "expects text in quotes");
+  out = node.as_string()->get();
+}
+
+void read_value(const toml::node& node, const ConfigKey& key, const std::string& where,
+                std::vector<std::string>& out) {
+  const toml::array* array = node.as_array();
+  if (array == nullptr) fail(where, full_name(key), "expects a list of texts, as [\"LIDAR\"]");
+  out.clear();
+  for (const auto& element : *array) {
+    if (!element.is_string()) fail(where, full_name(key), "expects a list of texts, as [\"LIDAR\"]");
+    out.push_back(element.as_string()->get());
+  }
+}
+
+/// Letters to insert, delete or replace to get from one word to the other.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+[[noreturn]] void fail_unknown(const std::string& where, const std::string& name) {
+  std::string nearest;
+  std::size_t nearest_distance = 4;  // farther ones would be guesses
+  for (const auto& key : config_keys()) {
+    const std::size_t distance = edit_distance(name, full_name(key));
+    if (distance < nearest_distance) {
+      nearest_distance = distance;
+      nearest = full_name(key);
+    }
+  }
+  fail(where, name,
+       "unknown key; " + (nearest.empty() ? "scanlockd --print-config lists all of them"
+                                          : "did you mean " + nearest + "?"));
+}
+
+std::string place(const std::string& file, const toml::source_region& source) {
+  return file + ":" + std::to_string(source.begin.line);
+}
+
+void read_section(const toml::table& table, const std::string& section, const std::string& file,
+                  Config& config) {
+  for (const auto& [name, node] : table) {
+    const std::string where = place(file, name.source());
+    const auto key =
+        std::find_if(config_keys().begin(), config_keys().end(), [&](const ConfigKey& candidate) {
+          return candidate.section == section && candidate.name == name.str();
+        });
+    if (key == config_keys().end()) fail_unknown(where, section + "." + std::string(name.str()));
+    std::visit(
+        [&, &node_ref = node](const auto& access) {
+          auto& value = access(config);
+          read_value(node_ref, *key, where, value);
+          check_value(*key, value, where);
+        },
+        key->access);
+  }
+}
+
+Config read_document(const toml::table& document, const std::string& file) {
+  Config config;
+  for (const auto& [name, node] : document) {
+    const std::string section(name.str());
+    const bool known = std::any_of(config_keys().begin(), config_keys().end(),
+                                   [&](const ConfigKey& key) { return key.section == section; });
+    const toml::table* table = node.as_table();
+    if (!known || table == nullptr) fail_unknown(place(file, name.source()), section);
+    read_section(*table, section, file, config);
+  }
+  return config;
+}
+
+// ---- printing -------------------------------------------------------------------------------------------
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      char escape[8];
+      std::snprintf(escape, sizeof escape, "\\u%04x", static_cast<unsigned>(static_cast<unsigned char>(c)));
+      out += escape;
+    } else {
+      out += c;
+    }
+  }
+  return out + "\"";
+}
+
+std::string toml_text(bool value) {
+  return value ? "true" : "false";
+}
+std::string toml_text(int value) {
+  return std::to_string(value);
+}
+std::string toml_text(double value) {
+  const std::string text = to_text(value);
+  return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
+}
+std::string toml_text(const std::string& value) {
+  return quoted(value);
+}
+std::string toml_text(const std::vector<std::string>& values) {
+  std::string out = "[";
+  for (const auto& value : values) out += (out.size() > 1 ? ", " : "") + quoted(value);
+  return out + "]";
+}
+
+std::string print_key(const ConfigKey& key, Config& config, Config& defaults) {
+  return std::visit(
+      [&](const auto& access) {
+        using Value = std::decay_t<decltype(access(config))>;
+        std::string out = "# " + key.help + "\n# ";
+        if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, double>)
+          out += range_text(key) + "; ";
+        return out + "default " + toml_text(access(defaults)) + "\n" + key.name + " = " +
+               toml_text(access(config)) + "\n";
+      },
+      key.access);
+}
+
+}  // namespace
+
+Pose body_from_sensor(const MountConfig& mount) {
+  constexpr double kRadiansPerDegree = 0.017453292519943295;
+  Pose pose = Pose::Identity();
+  pose.translation() = Eigen::Vector3d(mount.x_m, mount.y_m, mount.z_m);
+  pose.linear() = (Eigen::AngleAxisd(mount.yaw_deg * kRadiansPerDegree, Eigen::Vector3d::UnitZ()) *
+                   Eigen::AngleAxisd(mount.pitch_deg * kRadiansPerDegree, Eigen::Vector3d::UnitY()) *
+                   Eigen::AngleAxisd(mount.roll_deg * kRadiansPerDegree, Eigen::Vector3d::UnitX()))
+                      .toRotationMatrix();
+  return pose;
+}
+
+Config parse_config(const std::string& text, const std::string& name) {
+  try {
+    return read_document(toml::parse(text, name), name);
+  } catch (const toml::parse_error& error) {
+    throw ConfigError(place(name, error.source()) + ": not TOML: " + std::string(error.description()));
+  }
+}
+
+Config load_config(const std::string& path) {
+  constexpr std::size_t kMaxBytes = 1 << 20;
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::string text(kMaxBytes, '\0');
+  if (file) file.read(text.data(), kMaxBytes);
+  if (!file.is_open() || file.bad()) {
+    throw ConfigError(path + ": cannot be read as a configuration: " + std::strerror(errno) +
+                      "; name a readable TOML file, scanlockd --print-config writes one");
+  }
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() == kMaxBytes) throw ConfigError(path + ": over 1 MB: that is no configuration");
+  return parse_config(text, path);
+}
+
+void check_config(const Config& config) {
+  Config copy = config;
+  for (const auto& key : config_keys()) {
+    std::visit([&](const auto& access) { check_value(key, access(copy), ""); }, key.access);
+  }
+}
+
+std::string print_config(const Config& config) {
+  Config copy = config, defaults;
+  std::string out = "# Configuration of scanlockd and scanlock-odometry. Every key may be left out.\n";
+  std::string section;
+  for (const auto& key : config_keys()) {
+    if (key.section != section) out += "\n[" + key.section + "]\n";
+    section = key.section;
+    out += print_key(key, copy, defaults);
+  }
+  return out;
+}
+
+}  // namespace scanlock

@@ -1,0 +1,93 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "daemon/config_keys.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr double kMaxChannelLength = 63;  // LCM's own limit; longer ones fail to publish
+
+template <typename T>
+ConfigKey make_key(const char* section, const char* name, T DaemonConfig::*member, const char* unit,
+                   double min, double max, const char* help, std::vector<std::string> choices = {}) {
+  return {section, name, unit, min, max, help, std::move(choices), Access<T>([member](Config& config) -> T& {
+            return config.daemon.*member;
+          })};
+}
+
+template <typename T>
+ConfigKey make_key(const char* section, const char* name, T MountConfig::*member, const char* unit,
+                   double min, double max, const char* help) {
+  return {
+      section, name, unit, min,
+      max,     help, {},   Access<T>([member](Config& config) -> T& { return config.daemon.mount.*member; })};
+}
+
+/// The tracker's keys need neither section nor a second name: `TRACKER(member, unit, min, max, help)`.
+template <typename T>
+ConfigKey tracker_key(const char* name, T TrackerConfig::*member, const char* unit, double min, double max,
+                      const char* help) {
+  return {
+      "tracker", name, unit, min,
+      max,       help, {},   Access<T>([member](Config& config) -> T& { return config.tracker.*member; })};
+}
+
+std::vector<ConfigKey> make_table() {
+  using D = DaemonConfig;
+  using M = MountConfig;
+// clang-format off
+#define TRACKER(member, unit, min, max, help) tracker_key(#member, &TrackerConfig::member, unit, min, max, help)
+  return {
+    make_key("input", "url", &D::url, "", 0, 1000, "LCM URL of the scans; empty: LCM_DEFAULT_URL, else multicast on this host only; file:// replays a log in lock-step"),
+    make_key("input", "scan_channels", &D::scan_channels, "", 1, 16, "channels that carry scans; literal names, not patterns"),
+    make_key("input", "receive_buffer_bytes", &D::receive_buffer_bytes, "bytes", 65536, 1 << 30, "asked of the kernel for the receiving socket; it grants net.core.rmem_max at most; a recv_buf_size in the URL wins"),
+    make_key("input", "max_message_bytes", &D::max_message_bytes, "bytes", 1024, 1 << 28, "larger messages are rejected unread"),
+    make_key("input", "max_points", &D::max_points, "points", 1, 20000000, "scans of more points are rejected"),
+    make_key("input", "mbot_clockwise", &D::mbot_clockwise, "", 0, 1, "sense of the angles in mbot's lidar_t: false when they grow counter-clockwise seen from above"),
+    make_key("input", "silence_warning_s", &D::silence_warning_s, "s", 0.5, 86400, "no usable scan for so long: a warning, repeated at growing intervals"),
+
+    make_key("output", "url", &D::out_url, "", 0, 1000, "LCM URL of everything published; empty: that of the input, unless that is a log"),
+    make_key("output", "pose_channel", &D::pose_channel, "", 0, kMaxChannelLength, "bot_core.pose_t for each scan; empty: not published"),
+    make_key("output", "odometry_channel", &D::odometry_channel, "", 0, kMaxChannelLength, "scanlock.odometry_t for each scan; empty: not published"),
+    make_key("output", "status_channel", &D::status_channel, "", 0, kMaxChannelLength, "scanlock.status_t each period and at each change of state; empty: not published"),
+    make_key("output", "rigid_transform_channel", &D::rigid_transform_channel, "", 0, kMaxChannelLength, "bot_core.rigid_transform_t, for instance BODY_TO_LOCAL; empty: not published"),
+    make_key("output", "nav_odometry_channel", &D::nav_odometry_channel, "", 0, kMaxChannelLength, "nav_msgs.Odometry, for instance /odometry#nav_msgs.Odometry; empty: not published"),
+    make_key("output", "pose2d_channel", &D::pose2d_channel, "", 0, kMaxChannelLength, "pose2D_t of mbot, for instance SLAM_POSE; empty: not published"),
+    make_key("output", "twist_frame", &D::twist_frame, "", 0, 16, "frame of the velocities in bot_core.pose_t: local as libbot2 has it, body as openhumanoids has it, zero to leave them out", {"local", "body", "zero"}),
+    make_key("output", "predicted_poses", &D::predicted_poses, "", 0, 1, "while the pose is only predicted (RECOVERING, AMBIGUOUS, LOST), publish it also as the types that cannot say so; scanlock.odometry_t always comes"),
+    make_key("output", "map_frame", &D::map_frame, "", 0, 255, "name of the map frame where a message carries one"),
+    make_key("output", "body_frame", &D::body_frame, "", 0, 255, "name of the body frame where a message carries one"),
+    make_key("output", "status_period_s", &D::status_period_s, "s", 0.1, 3600, "time between two status messages"),
+
+    make_key("mount", "x_m", &M::x_m, "m", -100, 100, "position of the sensor on the body, forward"),
+    make_key("mount", "y_m", &M::y_m, "m", -100, 100, "position of the sensor on the body, left"),
+    make_key("mount", "z_m", &M::z_m, "m", -100, 100, "position of the sensor on the body, up"),
+    make_key("mount", "roll_deg", &M::roll_deg, "deg", -180, 180, "turn of the sensor about the body's x axis; R = Rz(yaw) Ry(pitch) Rx(roll)"),
+    make_key("mount", "pitch_deg", &M::pitch_deg, "deg", -180, 180, "turn of the sensor about the body's y axis"),
+    make_key("mount", "yaw_deg", &M::yaw_deg, "deg", -180, 180, "turn of the sensor about the body's z axis"),
+
+    TRACKER(min_range_m, "m", 0, 1000, "returns nearer than this are the robot itself"),
+    TRACKER(max_range_m, "m", 1, 10000, "returns farther than this are dropped"),
+    TRACKER(threads, "threads", 1, 256, "worker threads of one alignment; the result does not depend on it"),
+    TRACKER(map_points_per_scan, "points", 100, 1000000, "the voxel of the map is chosen to leave about so many points of a scan"),
+    TRACKER(min_voxel_m, "m", 0.001, 10, "the voxel of the map is never smaller"),
+    TRACKER(max_voxel_m, "m", 0.001, 100, "the voxel of the map is never larger"),
+    TRACKER(max_source_points, "points", 50, 1000000, "points of a scan that are aligned"),
+    TRACKER(acceleration, "m/s^2", 0, 1000, "that the robot may well reach; widens the prediction"),
+    TRACKER(angular_acceleration, "rad/s^2", 0, 10000, "that the robot may well reach; widens the prediction"),
+    TRACKER(max_keyframes, "keyframes", 1, 10000, "scans that the map is made of at most"),
+    TRACKER(max_map_points, "points", 1000, 20000000, "points that the map holds at most"),
+    TRACKER(restart_after_s, "s", 0, 1e6, "a scan earlier than its predecessor by more than this starts anew (a log that loops)"),
+  };
+#undef TRACKER
+  // clang-format on
+}
+
+}  // namespace
+
+const std::vector<ConfigKey>& config_keys() {
+  static const std::vector<ConfigKey> table = make_table();
+  return table;
+}
+
+}  // namespace scanlock

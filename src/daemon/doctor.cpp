@@ -1,0 +1,251 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "daemon/doctor.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <lcm/lcm-cpp.hpp>
+#include <map>
+#include <set>
+
+#include "daemon/host_network.hpp"
+#include "daemon/lcm_url.hpp"
+#include "daemon/stop_signal.hpp"
+#include "messages/fingerprints.hpp"
+
+namespace scanlock {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Grade = Finding::Grade;
+
+constexpr int kEchoBytes = 2000000;  // a scan of 125,000 points at 16 bytes
+constexpr int kEchoes = 5;
+constexpr std::chrono::milliseconds kEchoPeriod{100}, kEchoPatience{500}, kListen{2000};
+constexpr std::size_t kMaxHeard = 100;
+
+/// Hears everything that is said, and counts the echoes of our own.
+class Listener {
+ public:
+  explicit Listener(std::string echo_channel) : echo_channel_(std::move(echo_channel)) {}
+
+  void on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+    if (channel == echo_channel_) {
+      if (buffer->data_size == kEchoBytes) ++echoes_;
+      return;
+    }
+    if (channel == "LCM_SELF_TEST" || (heard_.size() >= kMaxHeard && heard_.count(channel) == 0)) return;
+    HeardChannel& heard = heard_[channel];
+    heard.name = channel;
+    heard.type = name_of_type(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+    heard.largest_bytes = std::max<std::size_t>(heard.largest_bytes, buffer->data_size);
+    ++heard.messages;
+  }
+
+  /// Handles what comes until `duration` has passed or all echoes that were sent are back.
+  void listen(lcm::LCM& lcm, Clock::duration duration, int echoes_awaited) {
+    const auto end = Clock::now() + duration;
+    while (Clock::now() < end && (echoes_awaited == 0 || echoes_ < echoes_awaited)) {
+      const int fd = lcm.getFileno();
+      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+      if (fd < 0 || never_.wait_for_input(fd, left) != StopSignal::Event::kInput || lcm.handle() < 0) return;
+    }
+  }
+
+  int echoes() const { return echoes_; }
+  std::vector<HeardChannel> heard() const {
+    std::vector<HeardChannel> all;
+    for (const auto& [name, channel] : heard_) all.push_back(channel);
+    return all;
+  }
+
+ private:
+  static std::string name_of_type(const std::uint8_t* data, std::size_t size) {
+    const std::uint64_t print = message_fingerprint(data, size);
+    if (const char* name = type_name(print)) return name;
+    char text[24];
+    std::snprintf(text, sizeof text, "0x%016llx", static_cast<unsigned long long>(print));
+    return text;
+  }
+
+  StopSignal never_;
+  std::string echo_channel_;
+  int echoes_ = 0;
+  std::map<std::string, HeardChannel> heard_;
+};
+
+void add(DoctorReport& report, Grade grade, const char* name, std::string detail, std::string remedy = "") {
+  const bool for_root = remedy.rfind("ip ", 0) == 0 || remedy.rfind("sysctl ", 0) == 0;
+  if (for_root && geteuid() != 0) remedy.insert(0, "sudo ");
+  report.findings.push_back({grade, name, std::move(detail), std::move(remedy)});
+}
+
+/// A URL that asks for too little is to blame itself; otherwise the kernel's limit is.
+std::string buffer_remedy(const std::string& url, int wanted) {
+  if (wanted >= kEchoBytes) return "sysctl -w net.core.rmem_max=" + std::to_string(wanted);
+  const std::size_t begin = url.find("recv_buf_size=");
+  const std::size_t end = std::min(url.find_first_of("&,", begin), url.size());
+  return "scanlockd -l '" + url.substr(0, begin) + "recv_buf_size=8388608" + url.substr(end) + "'";
+}
+
+void examine_route(const std::string& url, DoctorReport& report) {
+  const MulticastEndpoint endpoint = multicast_endpoint(url);
+  if (loopback_is_up()) {
+    add(report, Grade::kGood, "loopback", "the loopback interface is up");
+  } else {
+    add(report, Grade::kFault, "loopback", "the loopback interface is down", "ip link set lo up");
+  }
+  const MulticastRoute route = multicast_route(endpoint);
+  if (!route.exists) {
+    add(report, Grade::kFault, "route", "no multicast route to " + endpoint.address,
+        "ip route add 224.0.0.0/4 dev lo");
+  } else if (!route.on_loopback && url_option(url, "ttl").value_or("0") == "0") {
+    add(report, Grade::kNote, "route",
+        "multicast for this host only (ttl=0) leaves through the interface of " + route.local_address +
+            "; through the loopback it needs fewer datagrams",
+        "ip route add 224.0.0.0/4 dev lo");
+  } else {
+    add(report, Grade::kGood, "route",
+        "multicast to " + endpoint.address + " leaves through " +
+            (route.on_loopback ? "the loopback" : "the interface of " + route.local_address));
+  }
+}
+
+void examine_buffer(const std::set<int>& sockets, const std::string& url, DoctorReport& report) {
+  const int wanted = wanted_receive_buffer(url);
+  int granted = 0;
+  for (const int fd : sockets) {
+    if (granted_receive_buffer(fd) < wanted) force_receive_buffer(fd, wanted);
+    granted = granted_receive_buffer(fd);
+  }
+  report.recv_buf_wanted = wanted;
+  report.recv_buf_granted = granted;
+  report.rmem_max = kernel_setting("net/core/rmem_max").value_or(0);
+  const std::string detail = "receive buffer: " + std::to_string(wanted) + " bytes wanted, " +
+                             std::to_string(granted) + " granted (net.core.rmem_max is " +
+                             std::to_string(report.rmem_max) + ")";
+  const std::string remedy = buffer_remedy(url, wanted);
+  if (granted < kEchoBytes) {
+    add(report, Grade::kFault, "receive_buffer",
+        detail + "; scans over " + std::to_string(granted) + " bytes are lost", remedy);
+  } else {
+    add(report, granted < wanted ? Grade::kNote : Grade::kGood, "receive_buffer", detail,
+        granted < wanted ? remedy : "");
+  }
+  const std::int64_t rmem_default = kernel_setting("net/core/rmem_default").value_or(0);
+  if (rmem_default < kEchoBytes) {
+    add(report, Grade::kNote, "default_buffer",
+        "programs that ask for no buffer (lcm-logger without recv_buf_size in --lcm-url, lcm-spy) get " +
+            std::to_string(rmem_default) + " bytes and lose scans",
+        "sysctl -w net.core.rmem_default=8388608");
+  }
+}
+
+void examine_echo(lcm::LCM& lcm, Listener& listener, const std::string& channel, const std::set<int>& sockets,
+                  DoctorReport& report) {
+  // A second instance speaks, as a driver does: a process does not hear less of itself than of others.
+  lcm::LCM speaker(report.url);
+  const std::vector<std::uint8_t> message(kEchoBytes, 0x5a);
+  for (int i = 0; i < kEchoes && speaker.good(); ++i) {
+    if (speaker.publish(channel, message.data(), kEchoBytes) == 0) ++report.echoes_sent;
+    listener.listen(lcm, i + 1 < kEchoes ? kEchoPeriod : kEchoPatience, i + 1);
+  }
+  report.echoes_received = listener.echoes();
+  for (const int fd : sockets) report.kernel_drops += kernel_drops(fd).value_or(0);
+  const std::string detail = std::to_string(report.echoes_received) + " of " + std::to_string(kEchoes) +
+                             " messages of 2 MB to itself came back, " + std::to_string(report.kernel_drops) +
+                             " datagrams dropped by the kernel";
+  const bool good = report.echoes_received == kEchoes && report.kernel_drops == 0;
+  add(report, good ? Grade::kGood : Grade::kFault, "echo", detail,
+      good || !is_multicast(report.url) ? "" : buffer_remedy(report.url, wanted_receive_buffer(report.url)));
+}
+
+void examine_channels(lcm::LCM& lcm, Listener& listener, const DaemonConfig& config, DoctorReport& report) {
+  listener.listen(lcm, kListen, 0);
+  report.listened_s = std::chrono::duration<double>(kListen).count();
+  report.heard = listener.heard();
+  for (const auto& channel : config.scan_channels) {
+    const auto heard = std::find_if(report.heard.begin(), report.heard.end(),
+                                    [&](const HeardChannel& candidate) { return candidate.name == channel; });
+    if (heard == report.heard.end()) {
+      add(report, Grade::kNote, "scans",
+          "nothing came on " + channel + " while listening; is a driver publishing there?");
+    } else {
+      add(report, Grade::kGood, "scans",
+          channel + " carries " + heard->type + ", up to " + std::to_string(heard->largest_bytes) + " bytes");
+    }
+  }
+}
+
+void examine_log(const std::string& url, DoctorReport& report) {
+  const std::string path = url.substr(7, url.find('?') == std::string::npos ? url.npos : url.find('?') - 7);
+  if (std::ifstream(path).good()) {
+    add(report, Grade::kGood, "log", path + " can be read; a replay loses nothing");
+  } else {
+    add(report, Grade::kFault, "log", path + " cannot be read", "ls -l " + path);
+  }
+}
+
+}  // namespace
+
+bool DoctorReport::good() const {
+  return std::none_of(findings.begin(), findings.end(),
+                      [](const Finding& f) { return f.grade == Grade::kFault; });
+}
+
+DoctorReport examine(const DaemonConfig& config) {
+  DoctorReport report;
+  report.url = input_url(config);
+  if (is_log_url(report.url)) {
+    examine_log(report.url, report);
+    return report;
+  }
+  if (is_multicast(report.url)) {
+    examine_route(report.url, report);
+    const std::string fault = multicast_fault(multicast_endpoint(report.url));
+    if (report.good() && !fault.empty()) add(report, Grade::kFault, "address", fault);
+    if (!report.good()) return report;  // LCM would only print a screenful of its own
+  }
+  const int port = is_multicast(report.url) ? multicast_endpoint(report.url).port : 0;
+  const std::set<int> before = udp_sockets_on(port);
+  const std::string channel = "SCANLOCK_CHECK_" + std::to_string(getpid());
+  Listener listener(channel);
+  lcm::LCM lcm(report.url);
+  if (!lcm.good()) {
+    add(report, Grade::kFault, "lcm", "LCM refused the URL " + report.url);
+    return report;
+  }
+  lcm.subscribe(".*", &Listener::on_message, &listener)->setQueueCapacity(8);
+  std::set<int> sockets;
+  if (is_multicast(report.url)) {
+    const std::set<int> after = udp_sockets_on(port);
+    std::set_difference(after.begin(), after.end(), before.begin(), before.end(),
+                        std::inserter(sockets, sockets.end()));
+    examine_buffer(sockets, report.url, report);
+  }
+  examine_echo(lcm, listener, channel, sockets, report);
+  examine_channels(lcm, listener, config, report);
+  return report;
+}
+
+std::string print_report(const DoctorReport& report) {
+  std::string out = "url   " + report.url + "\n";
+  for (const auto& finding : report.findings) {
+    out += finding.grade == Grade::kGood ? "ok    " : finding.grade == Grade::kNote ? "note  " : "FAULT ";
+    out += finding.detail + "\n";
+    if (!finding.remedy.empty()) out += "      run: " + finding.remedy + "\n";
+  }
+  for (const auto& heard : report.heard) {
+    out += "heard " + heard.name + ": " + std::to_string(heard.messages) + " messages of " + heard.type +
+           ", up to " + std::to_string(heard.largest_bytes) + " bytes\n";
+  }
+  return out +
+         (report.good() ? "scans will arrive\n" : "scans would be lost: run what stands below each FAULT\n");
+}
+
+}  // namespace scanlock

@@ -1,0 +1,95 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "daemon/lcm_url.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+
+namespace scanlock {
+namespace {
+
+bool starts_with(const std::string& text, const std::string& start) {
+  return text.rfind(start, 0) == 0;
+}
+
+std::optional<int> parse_int(const std::string& text) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::string environment_or_default_url() {
+  const char* environment = std::getenv("LCM_DEFAULT_URL");
+  return environment != nullptr && *environment != '\0' ? environment : kDefaultUrl;
+}
+
+std::string with_receive_buffer(const std::string& url, int bytes) {
+  if (!is_multicast(url) || url_option(url, "recv_buf_size")) return url;
+  return url + (url.find('?') == std::string::npos ? "?" : "&") + "recv_buf_size=" + std::to_string(bytes);
+}
+
+}  // namespace
+
+bool is_multicast(const std::string& url) {
+  return starts_with(url, "udpm://");
+}
+bool is_log_url(const std::string& url) {
+  return starts_with(url, "file://");
+}
+
+std::optional<std::string> url_option(const std::string& url, const std::string& key) {
+  std::size_t begin = url.find('?');
+  while (begin != std::string::npos) {
+    const std::size_t end = url.find_first_of("&,", ++begin);
+    const std::string option = url.substr(begin, end == std::string::npos ? end : end - begin);
+    if (starts_with(option, key + "=")) return option.substr(key.size() + 1);
+    begin = end;
+  }
+  return std::nullopt;
+}
+
+MulticastEndpoint multicast_endpoint(const std::string& url) {
+  MulticastEndpoint endpoint;
+  const std::size_t begin = std::strlen("udpm://");
+  const std::string network =
+      url.substr(begin, url.find('?') == std::string::npos ? url.npos : url.find('?') - begin);
+  const std::size_t colon = network.find(':');
+  if (!network.substr(0, colon).empty()) endpoint.address = network.substr(0, colon);
+  if (colon != std::string::npos) {
+    const auto port = parse_int(network.substr(colon + 1));
+    if (!port || *port < 1 || *port > 65535) throw ConfigError(url + ": names no port from 1 to 65535");
+    endpoint.port = *port;
+  }
+  return endpoint;
+}
+
+std::string input_url(const DaemonConfig& config) {
+  return with_receive_buffer(config.url.empty() ? environment_or_default_url() : config.url,
+                             config.receive_buffer_bytes);
+}
+
+std::string output_url(const DaemonConfig& config) {
+  if (!config.out_url.empty()) return config.out_url;
+  const std::string url =
+      config.url.empty() || is_log_url(config.url) ? environment_or_default_url() : config.url;
+  return is_log_url(url) && url_option(url, "mode").value_or("r") == "r" ? kDefaultUrl : url;
+}
+
+int wanted_receive_buffer(const std::string& url) {
+  return parse_int(url_option(url, "recv_buf_size").value_or("0")).value_or(0);
+}
+
+std::string literal_pattern(const std::string& channel) {
+  static const std::string kSpecial = "\\^$.|?*+()[]{}-#";
+  std::string pattern;
+  for (const char c : channel) {
+    if (kSpecial.find(c) != std::string::npos) pattern += '\\';
+    pattern += c;
+  }
+  return pattern;
+}
+
+}  // namespace scanlock

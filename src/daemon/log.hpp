@@ -1,0 +1,32 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace scanlock {
+
+/// The numbers are syslog's, which journald understands at the start of a line.
+enum class LogLevel { kError = 3, kWarning = 4, kInfo = 6 };
+
+/// One line on standard error, in one write; control characters are replaced.
+void log_line(LogLevel level, const std::string& text);
+
+/// Lets one event through each period and counts the rest.
+class Throttle {
+ public:
+  explicit Throttle(std::chrono::milliseconds period) : period_(period) {}
+
+  /// True when the event at `now` is to be reported; `suppressed` is then the number that was not before it.
+  bool allows(std::chrono::steady_clock::time_point now);
+  long suppressed() const { return suppressed_; }
+
+ private:
+  std::chrono::milliseconds period_;
+  std::chrono::steady_clock::time_point last_{};
+  bool any_ = false;
+  long waiting_ = 0, suppressed_ = 0;
+};
+
+}  // namespace scanlock

@@ -1,0 +1,31 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "evaluation/metrics.hpp"
+
+namespace scanlock {
+
+/// What a report is about. The trajectories stand as they were read; the pairs come from them.
+struct Comparison {
+  std::string estimate_name, reference_name;
+  Trajectory estimate, reference;
+  PosePairs pairs;
+  Evaluation evaluation;
+};
+
+/// The result as rows of a table: what, and how much with its unit ("-" where the way is too short).
+std::vector<std::pair<std::string, std::string>> result_rows(const Evaluation& evaluation);
+
+/// A picture of 1000 x 1020 pixels: both trajectories from above, height and error over the way. Thousands of
+/// poses are thinned to what can be seen.
+std::string trajectory_svg(const Comparison& comparison);
+
+/// One self-contained page with the picture and the table.
+std::string trajectory_html(const Comparison& comparison);
+
+}  // namespace scanlock

@@ -1,0 +1,165 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "geometry/voxel_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace scanlock {
+namespace {
+
+constexpr float kMaxVoxels = 1048575.0f;  // 2^20 - 1 on each side of the origin
+
+/// Spreads the low 21 bits of v to every third bit.
+std::uint64_t spread_bits(std::uint64_t v) {
+  v &= 0x1fffff;
+  v = (v | v << 32) & 0x1f00000000ffffULL;
+  v = (v | v << 16) & 0x1f0000ff0000ffULL;
+  v = (v | v << 8) & 0x100f00f00f00f00fULL;
+  v = (v | v << 4) & 0x10c30c30c30c30c3ULL;
+  v = (v | v << 2) & 0x1249249249249249ULL;
+  return v;
+}
+
+struct Voxel {
+  std::int32_t ix, iy, iz;
+  float squared_distance_to_centre;
+};
+
+/// False for points that no voxel can hold: not finite, or too far out.
+bool locate(float x, float y, float z, float inverse_size, Voxel* voxel) {
+  const float fx = x * inverse_size, fy = y * inverse_size, fz = z * inverse_size;
+  // Written so that NaN fails too.
+  if (!(std::abs(fx) < kMaxVoxels && std::abs(fy) < kMaxVoxels && std::abs(fz) < kMaxVoxels)) return false;
+  const float bx = std::floor(fx), by = std::floor(fy), bz = std::floor(fz);
+  voxel->ix = static_cast<std::int32_t>(bx);
+  voxel->iy = static_cast<std::int32_t>(by);
+  voxel->iz = static_cast<std::int32_t>(bz);
+  const float dx = fx - bx - 0.5f, dy = fy - by - 0.5f, dz = fz - bz - 0.5f;
+  voxel->squared_distance_to_centre = dx * dx + dy * dy + dz * dz;
+  return true;
+}
+
+std::uint64_t pack(const Voxel& v) {
+  return (static_cast<std::uint64_t>(v.ix + (1 << 20)) << 42) | (static_cast<std::uint64_t>(v.iy + (1 << 20)) << 21) |
+         static_cast<std::uint64_t>(v.iz + (1 << 20));
+}
+
+/// Fibonacci hashing: only the high bits of the product depend on all bits of the key.
+std::size_t hash(std::uint64_t key) { return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 32); }
+
+/// The best point of each voxel in an open-addressing table that grows with the voxels, not with the points: it stays in
+/// cache where most points share few voxels, which is what thinning is for.
+class VoxelTable {
+ public:
+  VoxelTable() : slots_(kFirstSlots) {}
+
+  void offer(const PointCloud& cloud, std::uint32_t index, const Voxel& voxel) {
+    const std::uint64_t key = pack(voxel);
+    Slot& slot = find(key);
+    if (slot.index == kEmpty) {
+      slot = {key, index, voxel.squared_distance_to_centre};
+      if (++used_ * 2 > slots_.size()) grow();
+    } else if (better(cloud, voxel.squared_distance_to_centre, index, slot)) {
+      slot = {key, index, voxel.squared_distance_to_centre};
+    }
+  }
+
+  /// Indices in Morton order of their voxels.
+  std::vector<std::uint32_t> collect() const {
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+    for (const Slot& slot : slots_) {
+      if (slot.index == kEmpty) continue;
+      const auto coordinate = [&](int shift) { return static_cast<std::int32_t>((slot.key >> shift) & 0x1fffff) - (1 << 20); };
+      order.emplace_back(morton_key(coordinate(42), coordinate(21), coordinate(0)), slot.index);
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<std::uint32_t> indices(order.size());
+    std::transform(order.begin(), order.end(), indices.begin(), [](const auto& entry) { return entry.second; });
+    return indices;
+  }
+
+ private:
+  static constexpr std::uint32_t kEmpty = 0xffffffffu;
+  struct Slot {
+    std::uint64_t key = 0;
+    std::uint32_t index = kEmpty;
+    float distance = 0;
+  };
+
+  static bool better(const PointCloud& cloud, float distance, std::uint32_t index, const Slot& slot) {
+    if (distance != slot.distance) return distance < slot.distance;
+    const std::uint32_t other = slot.index;
+    if (cloud.x[index] != cloud.x[other]) return cloud.x[index] < cloud.x[other];
+    if (cloud.y[index] != cloud.y[other]) return cloud.y[index] < cloud.y[other];
+    return cloud.z[index] < cloud.z[other];
+  }
+
+  Slot& find(std::uint64_t key) {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t at = hash(key) & mask;
+    while (slots_[at].index != kEmpty && slots_[at].key != key) at = (at + 1) & mask;
+    return slots_[at];
+  }
+
+  void grow() {
+    std::vector<Slot> old(slots_.size() * 4);
+    old.swap(slots_);
+    for (const Slot& slot : old) {
+      if (slot.index != kEmpty) find(slot.key) = slot;
+    }
+  }
+
+  static constexpr std::size_t kFirstSlots = 1u << 13;
+  std::vector<Slot> slots_;
+  std::size_t used_ = 0;
+};
+
+template <typename IndexAt>
+std::vector<std::uint32_t> thin(const PointCloud& cloud, std::size_t n, float size, const IndexAt& index_at) {
+  if (!(size > 0)) throw std::invalid_argument("thin_by_voxel: the voxel size must be above 0");
+  const float inverse_size = 1.0f / size;
+  VoxelTable table;
+  Voxel voxel{};
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint32_t index = index_at(i);
+    if (locate(cloud.x[index], cloud.y[index], cloud.z[index], inverse_size, &voxel)) table.offer(cloud, index, voxel);
+  }
+  return table.collect();
+}
+
+}  // namespace
+
+std::uint64_t morton_key(std::int32_t ix, std::int32_t iy, std::int32_t iz) {
+  const auto biased = [](std::int32_t v) { return static_cast<std::uint64_t>(v + (1 << 20)); };
+  return spread_bits(biased(ix)) | spread_bits(biased(iy)) << 1 | spread_bits(biased(iz)) << 2;
+}
+
+std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, float voxel) {
+  return thin(cloud, cloud.size(), voxel, [](std::size_t i) { return static_cast<std::uint32_t>(i); });
+}
+
+std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, const std::vector<std::uint32_t>& subset, float voxel) {
+  return thin(cloud, subset.size(), voxel, [&](std::size_t i) { return subset[i]; });
+}
+
+PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& indices) {
+  PointCloud result;
+  const auto pick = [&](const std::vector<float>& from, std::vector<float>* to) {
+    if (from.empty()) return;
+    to->resize(indices.size());
+    for (std::size_t i = 0; i < indices.size(); ++i) (*to)[i] = from[indices[i]];
+  };
+  pick(cloud.x, &result.x);
+  pick(cloud.y, &result.y);
+  pick(cloud.z, &result.z);
+  pick(cloud.nx, &result.nx);
+  pick(cloud.ny, &result.ny);
+  pick(cloud.nz, &result.nz);
+  pick(cloud.intensity, &result.intensity);
+  pick(cloud.time, &result.time);
+  return result;
+}
+
+}  // namespace scanlock

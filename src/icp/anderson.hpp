@@ -1,0 +1,35 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+
+namespace scanlock {
+
+/// Unknowns of an alignment: 6 for a rigid motion, 12 for a motion and its velocity. Never allocates.
+using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 12, 1>;
+
+/// Anderson acceleration of a fixed-point iteration x <- G(x), equation 7.
+class AndersonAcceleration {
+ public:
+  static constexpr int kMaxWindow = 5;  ///< m = 5 in all of the paper
+
+  /// `window`: how many earlier iterates are used, 0 (none) to kMaxWindow.
+  explicit AndersonAcceleration(int window = kMaxWindow);
+
+  /// Forgets the history.
+  void reset() { count_ = 0; }
+
+  /// Takes an iterate and its image, and returns the accelerated next iterate; with no history that is the image itself.
+  StateVector next(const StateVector& x, const StateVector& image);
+
+ private:
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, kMaxWindow>;
+
+  int window_;
+  int count_ = 0;  ///< iterates taken since reset
+  StateVector last_image_, last_residual_;
+  Columns image_steps_, residual_steps_;  ///< G(j+1) - G(j) and F(j+1) - F(j), in a ring
+};
+
+}  // namespace scanlock

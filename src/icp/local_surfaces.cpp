@@ -1,0 +1,67 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "icp/local_surfaces.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/parallel.hpp"
+
+namespace scanlock {
+
+Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count) {
+  Surface surface;
+  if (count < 5) return surface;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
+  const Eigen::Vector3f origin = cloud.point(static_cast<std::size_t>(neighbours[0].index));
+  for (int k = 0; k < count; ++k) {
+    const Eigen::Vector3d p = (cloud.point(static_cast<std::size_t>(neighbours[k].index)) - origin).cast<double>();
+    mean += p;
+    moment += p * p.transpose();
+  }
+  mean /= count;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(moment / count - mean * mean.transpose());
+  const Eigen::Vector3d deviation = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  if (!(deviation[2] > 0)) return surface;
+  const double planarity = std::clamp((deviation[1] - deviation[0]) / deviation[2], 0.0, 1.0);
+  const Eigen::Vector3d normal = solver.eigenvectors().col(0);
+  surface.normal = normal.cast<float>();
+  surface.offset = static_cast<float>(normal.dot(mean + origin.cast<double>()));
+  surface.weight = static_cast<float>(planarity * planarity);
+  return surface;
+}
+
+void LocalSurfaces::reset(const PointCloud& cloud, const KdForest& tree, float radius) {
+  cloud_ = &cloud;
+  tree_ = &tree;
+  radius_ = radius;
+  surfaces_.assign(cloud.size(), Surface{});
+  fitted_.assign(cloud.size(), 0);
+}
+
+void LocalSurfaces::grow() {
+  surfaces_.resize(cloud_->size());
+  fitted_.resize(cloud_->size(), 0);
+}
+
+void LocalSurfaces::prepare(const std::vector<std::int32_t>& indices, int threads) {
+  missing_.clear();
+  for (std::int32_t index : indices) {
+    if (index < 0 || fitted_[static_cast<std::size_t>(index)]) continue;
+    fitted_[static_cast<std::size_t>(index)] = 1;
+    missing_.push_back(index);
+  }
+  for_each_chunk(missing_.size(), 64, threads, [&](std::size_t begin, std::size_t end) {
+    Neighbour neighbours[kNeighbours];
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t at = static_cast<std::size_t>(missing_[i]);
+      const int count = tree_->k_nearest(cloud_->point(at), kNeighbours, neighbours, radius_);
+      surfaces_[at] = fit_surface(*cloud_, neighbours, count);
+    }
+  });
+}
+
+}  // namespace scanlock

@@ -1,0 +1,54 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/point_cloud.hpp"
+#include "search/kd_forest.hpp"
+
+namespace scanlock {
+
+/// The plane that the neighbourhood of a point lies on: normal . p = offset.
+/// It goes through the centroid of the neighbours, which is less noisy than the point itself.
+struct Surface {
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit; its sign means nothing
+  float offset = 0;                                  ///< metres
+  float weight = 0;  ///< 0: no plane there, to 1: flat and spread in both directions
+};
+
+/// Surfaces of the points of a map, fitted when they are first asked for: a scan meets only a part of the map.
+class LocalSurfaces {
+ public:
+  static constexpr int kNeighbours = 12;
+
+  /// Forgets all fits. Cloud and tree (of that cloud) must outlive this object's use; `radius`: neighbours farther than
+  /// this many metres do not count.
+  void reset(const PointCloud& cloud, const KdForest& tree, float radius);
+
+  /// The cloud has grown at its end; the fits of what was there stay.
+  void grow();
+
+  /// Fits what is missing among the points at `indices` (negative ones are skipped). The result does not depend on
+  /// `threads`.
+  void prepare(const std::vector<std::int32_t>& indices, int threads);
+
+  /// The surface at a prepared point.
+  const Surface& at(std::int32_t index) const { return surfaces_[static_cast<std::size_t>(index)]; }
+
+ private:
+  const PointCloud* cloud_ = nullptr;
+  const KdForest* tree_ = nullptr;
+  float radius_ = 0;
+  std::vector<Surface> surfaces_;
+  std::vector<std::uint8_t> fitted_;
+  std::vector<std::int32_t> missing_;
+};
+
+/// Fits a surface to the given neighbours of `cloud`; weight 0 when there are fewer than five.
+/// The weight is the square of the planarity (sqrt(l2) - sqrt(l3)) / sqrt(l1) of the neighbourhood's covariance, l1 >= l2 >= l3.
+Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count);
+
+}  // namespace scanlock

@@ -1,0 +1,250 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "icp/scan_alignment.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "icp/correspondences.hpp"
+#include "icp/descent.hpp"
+#include "icp/scan_motion.hpp"
+#include "icp/welsch.hpp"
+
+namespace scanlock {
+namespace {
+
+using Vector12 = Eigen::Matrix<double, 12, 1>;
+
+/// Sums over the points of one knot, in the frame of the prior's pose: j = [n; w x n].
+struct KnotSums {
+  Matrix6 jj = Matrix6::Zero();
+  Vector6 jr = Vector6::Zero();
+};
+
+}  // namespace
+
+/// State x = [log(prior^-1 pose); (twist - prior twist) * duration]: all six plus six in metres and radians.
+struct ScanAligner::Workspace final : DescentProblem {
+  // Inputs of the alignment under way; set by begin().
+  const PointCloud* source = nullptr;
+  const AlignmentTarget* target = nullptr;
+  const MotionPrior* prior = nullptr;
+  const ScanAlignmentOptions* options = nullptr;
+
+  ScanMotion motion;
+  Correspondences correspondences;
+  double nu = 1.0;
+  double duration = 0.1;   // seconds: makes a velocity a displacement
+  double arm = 10.0;       // metres: makes a rotation the motion of a typical point
+  Vector6 x = Vector6::Zero(), twist = Vector6::Zero();
+  std::vector<float> wx, wy, wz;        // source in the target frame
+  std::vector<float> residuals, weights;  // per source point; NaN and 0 without a surface
+  int matched = 0;
+
+  void begin(const PointCloud& cloud, const AlignmentTarget& to, const MotionPrior& from, const ScanAlignmentOptions& with) {
+    source = &cloud;
+    target = &to;
+    prior = &from;
+    options = &with;
+    const std::size_t n = cloud.size();
+    motion.set_times(cloud.time);
+    correspondences.reset(to.cloud, to.tree, n);
+    for (std::vector<float>* values : {&wx, &wy, &wz, &residuals, &weights}) values->resize(n);
+    duration = motion.still() ? 0.1 : std::max(motion.knot_time(ScanMotion::kKnots) - motion.knot_time(0), 1e-3);
+    double sum = 0;
+    for (std::size_t i = 0; i < n; ++i) sum += cloud.point(i).norm();
+    arm = n > 0 ? std::max(sum / static_cast<double>(n), 0.1) : 1.0;
+  }
+
+  double gate() const { return 3.0 * nu + options->gate_margin; }
+
+  MovingPose moving(const StateVector& state) const {
+    return {prior->mean.pose * se3_exp(state.head<6>()), prior->mean.twist + state.tail<6>() / duration};
+  }
+
+  double evaluate(const StateVector& state) override {
+    x = state.head<6>();
+    twist = prior->mean.twist + state.tail<6>() / duration;
+    motion.set_twist(twist);
+    const Pose pose = prior->mean.pose * se3_exp(x);
+    const Eigen::Matrix3f rotation = pose.linear().cast<float>();
+    const Eigen::Vector3f translation = pose.translation().cast<float>();
+    const std::size_t n = source->size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const Eigen::Vector3f w = rotation * motion.at_stamp(i, source->point(i)) + translation;
+      wx[i] = w.x();
+      wy[i] = w.y();
+      wz[i] = w.z();
+    }
+    correspondences.update(wx, wy, wz, static_cast<float>(gate()), options->threads);
+    target->surfaces.prepare(correspondences.indices(), options->threads);
+    return measure();
+  }
+
+  /// Residuals at the current correspondences, and the energy.
+  double measure() {
+    const float squared_gate = static_cast<float>(gate() * gate());
+    const PointCloud& cloud = target->cloud;
+    const std::vector<std::int32_t>& indices = correspondences.indices();
+    double explained = 0;
+    matched = 0;
+    for (std::size_t i = 0; i < source->size(); ++i) {
+      residuals[i] = std::numeric_limits<float>::quiet_NaN();
+      weights[i] = 0;
+      if (indices[i] < 0) continue;
+      const std::size_t q = static_cast<std::size_t>(indices[i]);
+      const float dx = wx[i] - cloud.x[q], dy = wy[i] - cloud.y[q], dz = wz[i] - cloud.z[q];
+      const Surface& surface = target->surfaces.at(indices[i]);
+      if (surface.weight <= 0 || dx * dx + dy * dy + dz * dz > squared_gate) continue;
+      const float r = surface.normal.x() * wx[i] + surface.normal.y() * wy[i] + surface.normal.z() * wz[i] - surface.offset;
+      residuals[i] = r;
+      weights[i] = surface.weight;
+      explained += surface.weight * welsch_weight(static_cast<double>(r) * r, nu);
+      ++matched;
+    }
+    const Vector12 e = prior_error();
+    return static_cast<double>(source->size()) - explained +
+           options->sigma * options->sigma / (nu * nu) * 0.5 * e.dot(prior->information * e);
+  }
+
+  Vector12 prior_error() const {
+    Vector12 e;
+    e << x, twist - prior->mean.twist;
+    return e;
+  }
+
+  /// Gauss-Newton sums of the data: H = sum s w j j^T, g = sum s w r j, with j the derivative of r by
+  /// [d; eta]: pose <- prior * exp(d) * exp(x), twist <- twist + eta.
+  void linearise(bool robust, Matrix12* hessian, Vector12* gradient) {
+    std::array<KnotSums, ScanMotion::kKnots + 1> sums{};
+    const Eigen::Matrix3f to_prior = prior->mean.pose.linear().transpose().cast<float>();
+    const Eigen::Vector3f origin = prior->mean.pose.translation().cast<float>();
+    for (std::size_t i = 0; i < source->size(); ++i) {
+      if (weights[i] <= 0) continue;
+      const double r = residuals[i];
+      const double weight = weights[i] * (robust ? welsch_weight(r * r, nu) : 1.0);
+      const Eigen::Vector3f normal = to_prior * target->surfaces.at(correspondences.indices()[i]).normal;
+      const Eigen::Vector3f w = to_prior * (Eigen::Vector3f(wx[i], wy[i], wz[i]) - origin);
+      Vector6 j;
+      j << normal.cast<double>(), w.cross(normal).cast<double>();
+      KnotSums& sum = sums[static_cast<std::size_t>(motion.nearest_knot(i))];
+      sum.jj.selfadjointView<Eigen::Lower>().rankUpdate(j, weight);
+      sum.jr += weight * r * j;
+    }
+    hessian->setZero();
+    gradient->setZero();
+    const Matrix6 moved = adjoint(se3_exp(x));
+    for (int k = 0; k <= ScanMotion::kKnots; ++k) {
+      KnotSums& sum = sums[static_cast<std::size_t>(k)];
+      if (sum.jj(0, 0) + sum.jj(1, 1) + sum.jj(2, 2) <= 0) continue;
+      sum.jj = sum.jj.selfadjointView<Eigen::Lower>();
+      Eigen::Matrix<double, 6, 12> basis;
+      const double time = motion.still() ? 0.0 : motion.knot_time(k);
+      basis << Matrix6::Identity(), time * moved * se3_left_jacobian(time * twist);
+      *hessian += basis.transpose() * sum.jj * basis;
+      *gradient += basis.transpose() * sum.jr;
+    }
+  }
+
+  StateVector image() override {
+    Matrix12 hessian;
+    Vector12 gradient;
+    linearise(true, &hessian, &gradient);
+    const double scale = options->sigma * options->sigma;
+    // d moves x by J_l(x)^-1 d to first order.
+    Matrix12 to_error = Matrix12::Identity();
+    to_error.topLeftCorner<6, 6>() = se3_left_jacobian(x).inverse();
+    hessian += scale * to_error.transpose() * prior->information * to_error;
+    gradient += scale * to_error.transpose() * (prior->information * prior_error());
+    const Vector12 step = -hessian.ldlt().solve(gradient);
+    StateVector state(12);
+    state << se3_log(se3_exp(step.head<6>()) * se3_exp(x)),
+        (twist - prior->mean.twist + step.tail<6>()) * duration;
+    return state;
+  }
+
+  double distance(const StateVector& a, const StateVector& b) const override {
+    const StateVector d = b - a;
+    const double pose = d.head<3>().norm() + arm * d.segment<3>(3).norm();
+    const double velocity = d.segment<3>(6).norm() + arm * d.segment<3>(9).norm();
+    return motion.still() ? pose : pose + 0.5 * velocity;
+  }
+
+  double median_absolute_residual() const {
+    std::vector<float> values;
+    values.reserve(residuals.size());
+    for (float r : residuals) {
+      if (!std::isnan(r)) values.push_back(std::abs(r));
+    }
+    if (values.empty()) return 0;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  }
+};
+
+ScanAligner::ScanAligner() : workspace_(std::make_unique<Workspace>()) {}
+ScanAligner::~ScanAligner() = default;
+ScanAligner::ScanAligner(ScanAligner&&) noexcept = default;
+ScanAligner& ScanAligner::operator=(ScanAligner&&) noexcept = default;
+
+ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget& target, const MotionPrior& prior,
+                                 const ScanAlignmentOptions& options) {
+  Workspace& work = *workspace_;
+  work.begin(source, target, prior, options);
+  StateVector x = StateVector::Zero(12);
+  work.nu = options.nu_max;
+  work.evaluate(x);
+  // Section 5: the first scale is three times the median residual at the start.
+  work.nu = std::clamp(3.0 * work.median_absolute_residual(), options.nu_min, options.nu_max);
+
+  ScanAlignment result;
+  result.evaluations = 1;
+  DescentOptions descent;
+  descent.anderson_window = options.anderson_window;
+  while (true) {
+    const bool last = work.nu <= options.nu_min;
+    // The upper scales only have to bring the lower ones into their basin.
+    descent.max_iterations = last ? options.max_iterations : std::max(options.max_iterations / 3, 1);
+    descent.tolerance = last ? options.tolerance : std::max(options.tolerance, 0.1 * work.nu);
+    const DescentResult level = descend(work, x, descent);
+    x = level.x;
+    result.iterations += level.iterations;
+    result.evaluations += level.evaluations;
+    result.converged = level.converged;
+    if (last) break;
+    work.nu = std::max(0.5 * work.nu, options.nu_min);
+  }
+  Vector12 gradient;
+  work.linearise(true, &result.information, &gradient);
+  result.moving = work.moving(x);
+  result.matched = work.matched;
+  result.median_residual = work.median_absolute_residual();
+  result.searches_made = work.correspondences.searches_made();
+  result.searches_saved = work.correspondences.searches_saved();
+  return result;
+}
+
+const std::vector<float>& ScanAligner::residuals() const { return workspace_->residuals; }
+const std::vector<float>& ScanAligner::weights() const { return workspace_->weights; }
+
+PointCloud deskewed(const PointCloud& points, const Vector6& twist) {
+  PointCloud result = points;
+  ScanMotion motion;
+  motion.set_times(points.time);
+  if (motion.still()) return result;
+  motion.set_twist(twist);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p = motion.at_stamp(i, points.point(i));
+    result.x[i] = p.x();
+    result.y[i] = p.y();
+    result.z[i] = p.z();
+  }
+  return result;
+}
+
+}  // namespace scanlock

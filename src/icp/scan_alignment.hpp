@@ -1,0 +1,86 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+
+#include "geometry/point_cloud.hpp"
+#include "geometry/rigid.hpp"
+#include "icp/local_surfaces.hpp"
+#include "search/kd_forest.hpp"
+
+namespace scanlock {
+
+using Matrix12 = Eigen::Matrix<double, 12, 12>;
+
+/// A pose and its velocity: during a scan the body moves as pose * exp(t * twist), t in seconds from the stamp.
+struct MovingPose {
+  Pose pose = Pose::Identity();     ///< target_from_body at the stamp
+  Vector6 twist = Vector6::Zero();  ///< body velocity [m/s; rad/s]
+};
+
+/// What is known before the scan is looked at. The error of a moving pose against it is
+/// e = [log(mean.pose^-1 pose); twist - mean.twist], and its cost e^T information e / 2.
+struct MotionPrior {
+  MovingPose mean;
+  Matrix12 information = Matrix12::Zero();  ///< positive definite
+};
+
+/// What a scan is aligned with: points in a frame near the sensor, their tree, and their surfaces.
+struct AlignmentTarget {
+  const PointCloud& cloud;
+  const KdForest& tree;
+  LocalSurfaces& surfaces;
+};
+
+struct ScanAlignmentOptions {
+  double nu_min = 0.05;      ///< metres, the last scale of the Welsch kernel
+  double nu_max = 1.0;       ///< metres, an upper bound of the first scale, which is three times the median residual
+  double gate_margin = 0.5;  ///< metres: a source point pairs with a target point nearer than 3 nu + gate_margin
+  double sigma = 0.1;        ///< metres: standard deviation of a residual against the prior, its correlations counted in
+  int max_iterations = 12;   ///< at the last scale; earlier ones get a third
+  double tolerance = 5e-4;   ///< metres, of the motion of the scan's points
+  int anderson_window = 5;
+  int threads = 1;
+};
+
+struct ScanAlignment {
+  MovingPose moving;
+  Matrix12 information = Matrix12::Zero();  ///< of the data alone, order and frame as in MotionPrior, unit residual variance
+  int iterations = 0, evaluations = 0;
+  bool converged = false;
+  int matched = 0;              ///< source points within the gate of a surface
+  double median_residual = 0;   ///< metres, of the matched ones
+  std::int64_t searches_made = 0, searches_saved = 0;
+};
+
+/// Robust point-to-plane ICP (algorithm 2) with two extensions: the unknown is the pose at the stamp *and* the velocity, so
+/// that the motion within the scan is solved and not only predicted, and a Gaussian prior joins them to the past. The
+/// energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2) e^T information e / 2, with s_i the weight of the surface
+/// (0 where there is none), r_i the distance to it.
+class ScanAligner {
+ public:
+  ScanAligner();
+  ~ScanAligner();
+  ScanAligner(ScanAligner&&) noexcept;
+  ScanAligner& operator=(ScanAligner&&) noexcept;
+
+  /// `source`: points in the body frame, with or without times. Without times all are taken to be seen at the stamp.
+  ScanAlignment align(const PointCloud& source, const AlignmentTarget& target, const MotionPrior& prior,
+                      const ScanAlignmentOptions& options);
+
+  /// Residuals (metres) at the result, NaN where a source point found no surface; and the surface weights.
+  const std::vector<float>& residuals() const;
+  const std::vector<float>& weights() const;
+
+ private:
+  struct Workspace;
+  std::unique_ptr<Workspace> workspace_;
+};
+
+/// The points of a scan as they stood at its stamp: p' = exp(t * twist) p. Without times a copy.
+PointCloud deskewed(const PointCloud& points, const Vector6& twist);
+
+}  // namespace scanlock

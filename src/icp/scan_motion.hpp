@@ -1,0 +1,48 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "geometry/rigid.hpp"
+
+namespace scanlock {
+
+/// exp(t * twist) for the times of a scan: exact at kKnots + 1 instants, linear in between. At 180 deg/s over 0.1 s the
+/// linear part is wrong by 1e-5 rad at most.
+class ScanMotion {
+ public:
+  static constexpr int kKnots = 32;
+
+  /// Times in seconds relative to the stamp; empty: all points at the stamp.
+  void set_times(const std::vector<float>& times);
+  void set_twist(const Vector6& twist);
+
+  bool still() const { return still_; }               ///< no times: every point is at the stamp
+  double knot_time(int knot) const { return first_ + knot * step_; }
+  const Pose& knot_pose(int knot) const { return poses_[static_cast<std::size_t>(knot)]; }
+  /// The knot nearest to a point's time.
+  int nearest_knot(std::size_t point) const { return still_ ? 0 : knots_[point] + (fractions_[point] > 0.5f ? 1 : 0); }
+
+  /// The point `i` with body coordinates p at its own time, in the body frame at the stamp.
+  Eigen::Vector3f at_stamp(std::size_t i, const Eigen::Vector3f& p) const {
+    if (still_) return p;
+    const std::size_t k = static_cast<std::size_t>(knots_[i]);
+    const Eigen::Vector3f a = rotations_[k] * p + translations_[k];
+    const Eigen::Vector3f b = rotations_[k + 1] * p + translations_[k + 1];
+    return a + fractions_[i] * (b - a);
+  }
+
+ private:
+  bool still_ = true;
+  double first_ = 0, step_ = 0;
+  std::vector<int> knots_;
+  std::vector<float> fractions_;
+  std::array<Pose, kKnots + 1> poses_;
+  std::array<Eigen::Matrix3f, kKnots + 1> rotations_;
+  std::array<Eigen::Vector3f, kKnots + 1> translations_;
+};
+
+}  // namespace scanlock

@@ -1,0 +1,141 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "io/scan_log.hpp"
+
+#include <optional>
+#include <set>
+#include <stdexcept>
+
+#include "io/lcm_log.hpp"
+#include "io/log_poses.hpp"
+#include "messages/decode_scan.hpp"
+#include "messages/encode_scan.hpp"
+
+namespace scanlock {
+namespace {
+
+void append(std::vector<float>& to, const std::vector<float>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+/// Puts the sectors of one scan together; a scan that comes whole passes through.
+class SectorCollector {
+ public:
+  /// The scans that are complete after this message, or can no longer become so.
+  template <typename Take>
+  void add(DecodedScan&& decoded, const Take& take) {
+    if (pending_ && (decoded.sector_count == 1 || decoded.scan.utime != pending_->utime)) flush(take);
+    if (!pending_) {
+      pending_ = std::move(decoded.scan);
+      expected_ = decoded.sector_count;
+      received_ = 1;
+    } else {
+      PointCloud& points = pending_->points;
+      const PointCloud& more = decoded.scan.points;
+      append(points.x, more.x);
+      append(points.y, more.y);
+      append(points.z, more.z);
+      append(points.intensity, more.intensity);
+      append(points.time, more.time);
+      ++received_;
+    }
+    if (received_ >= expected_) flush(take);
+  }
+
+  template <typename Take>
+  void flush(const Take& take) {
+    if (!pending_) return;
+    if (received_ < expected_) ++incomplete_;
+    take(*pending_);
+    pending_.reset();
+  }
+
+  std::size_t incomplete() const { return incomplete_; }
+
+ private:
+  std::optional<Scan> pending_;
+  int expected_ = 1, received_ = 0;
+  std::size_t incomplete_ = 0;
+};
+
+std::string listed(const std::set<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += " " + name;
+  return list.empty() ? " no events" : list;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::uint8_t>> encode_scan(const Scan& scan, ScanMessage type, std::int32_t number) {
+  ScanTags tags;
+  tags.seq = number;
+  switch (type) {
+    case ScanMessage::kPointcloud2:
+      return {encode_pointcloud2(scan, tags)};
+    case ScanMessage::kPointcloud:
+      return {encode_pointcloud(scan, tags)};
+    case ScanMessage::kDrake:
+      return {encode_drake_point_cloud(scan, tags)};
+    case ScanMessage::kSectors:
+      return encode_sectors(scan, tags);
+    case ScanMessage::kPlanar:
+      return {encode_planar_lidar(scan)};
+  }
+  return {};
+}
+
+ScanConversion directory_to_log(const ScanDirectory& directory, const std::string& log_path,
+                                const std::string& channel, ScanMessage type, const Progress& progress) {
+  LogWriter writer(log_path);
+  ScanConversion result;
+  for (std::size_t i = 0; i < directory.size(); ++i) {
+    const Scan scan = directory.read(i);
+    for (const auto& message : encode_scan(scan, type, static_cast<std::int32_t>(i)))
+      writer.write(scan.utime, channel, message);
+    ++result.scans;
+    result.points += scan.points.size();
+    progress(i + 1, directory.size());
+  }
+  writer.close();
+  return result;
+}
+
+ScanConversion log_to_directory(const std::string& log_path, const std::string& channel,
+                                const std::string& directory_path, const Progress& progress) {
+  LogReader reader(log_path);
+  std::optional<ScanDirectoryWriter> writer;
+  ScanConversion result;
+  const auto take = [&](const Scan& scan) {
+    if (!writer) writer.emplace(directory_path);
+    writer->write(scan);
+    ++result.scans;
+    result.points += scan.points.size();
+  };
+  SectorCollector collector;
+  std::set<std::string> channels;
+  while (const auto event = reader.next()) {
+    channels.insert(event->channel);
+    progress(reader.position(), reader.file_size());
+    if (event->channel != channel) continue;
+    DecodedScan decoded = decode_scan(event->data.data(), event->data.size());
+    if (decoded.fault != DecodeFault::kNone) {
+      if (result.rejected++ == 0) result.first_error = decoded.error;
+      continue;
+    }
+    result.left_out_points += decoded.nonfinite_points;
+    collector.add(std::move(decoded), take);
+  }
+  collector.flush(take);
+  result.incomplete = collector.incomplete();
+  result.damage = damage_sentence(reader);
+  if (writer) {
+    writer->close();
+    return result;
+  }
+  if (result.rejected > 0)
+    throw std::runtime_error(log_path + ": channel " + channel + " holds no scan: " + result.first_error);
+  throw std::runtime_error(log_path + ": nothing on channel " + channel + "; the log has" + listed(channels) +
+                           " (choose with --channel)");
+}
+
+}  // namespace scanlock

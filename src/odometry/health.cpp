@@ -1,0 +1,51 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/health.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "icp/welsch.hpp"
+
+namespace scanlock {
+namespace {
+
+/// Energies of good alignments differ by so much from one corner of a scene to the next: a smaller spread in the history
+/// is luck, not knowledge.
+constexpr double kLeastSpread = 0.03;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vector<float>& weights, double scale) const {
+  Health health;
+  double weight_sum = 0, cost = 0;
+  std::size_t matched = 0;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    if (weights[i] <= 0) continue;
+    const double squared = static_cast<double>(residuals[i]) * residuals[i];
+    cost += weights[i] * welsch(squared, scale);
+    weight_sum += weights[i];
+    ++matched;
+    if (squared < 9.0 * scale * scale) ++health.inliers;
+  }
+  if (weight_sum > 0) health.energy = cost / weight_sum;
+  if (!residuals.empty()) health.overlap = static_cast<double>(matched) / static_cast<double>(residuals.size());
+  if (count_ > 0) {
+    std::vector<double> recent(history_.begin(), history_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, kHistory)));
+    health.baseline = median(recent);
+    for (double& energy : recent) energy = std::abs(energy - health.baseline);
+    const double spread = std::max(1.4826 * median(recent), kLeastSpread);
+    health.score = (health.energy - health.baseline) / spread;
+  }
+  return health;
+}
+
+void HealthMonitor::remember(double energy) { history_[count_++ % kHistory] = energy; }
+
+}  // namespace scanlock

@@ -1,0 +1,138 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/local_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+#include <utility>
+
+#include "geometry/voxel_grid.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr std::size_t kLeastFresh = 4000;  // points: a tree of so few is built in half a millisecond
+constexpr double kOriginReach = 200.0;  // metres: at this distance a float still resolves 15 micrometres
+
+std::uint64_t voxel_key(const Eigen::Vector3f& p, float inverse_voxel) {
+  const Eigen::Vector3f v = (p * inverse_voxel).array().floor();
+  return morton_key(static_cast<std::int32_t>(v.x()), static_cast<std::int32_t>(v.y()), static_cast<std::int32_t>(v.z()));
+}
+
+}  // namespace
+
+LocalMap::LocalMap(const LocalMapLimits& limits) : limits_(limits) {}
+
+void LocalMap::clear() {
+  keyframes_.clear();
+  cloud_ = {};
+  owner_.clear();
+  taken_.clear();
+  tree_.rebuild(cloud_);
+  surfaces_.reset(cloud_, tree_, 1.0f);
+}
+
+void LocalMap::insert(Keyframe keyframe, double voxel) {
+  const Eigen::Vector3d here = keyframe.map_from_body.translation();
+  keyframe.id = next_id_++;
+  keyframes_.push_back(std::move(keyframe));
+  const bool rebuild = wants_rebuild(here, voxel);
+  if (rebuild) {
+    forget(here);
+    if ((here - origin_).norm() > kOriginReach || keyframes_.size() == 1) move_origin(here);
+    note_voxels(voxel);
+  }
+  add_novel_points(keyframes_.back());
+  if (rebuild) {
+    tree_.rebuild(cloud_);
+    surfaces_.reset(cloud_, tree_, static_cast<float>(4.0 * voxel));
+  } else {
+    tree_.grow(cloud_);
+    surfaces_.grow();
+  }
+}
+
+bool LocalMap::wants_rebuild(const Eigen::Vector3d& here, double voxel) const {
+  const std::size_t fresh = cloud_.size() - tree_.old_points();
+  return keyframes_.size() == 1 || voxel != voxel_ || fresh > std::max(kLeastFresh, tree_.old_points() / 5) ||
+         cloud_.size() + keyframes_.back().points.size() > static_cast<std::size_t>(limits_.max_points) ||
+         (here - origin_).norm() > 2.0 * kOriginReach;
+}
+
+void LocalMap::forget(const Eigen::Vector3d& here) {
+  const std::uint32_t newest = keyframes_.back().id;
+  const auto far = [&](const Keyframe& k) {
+    return k.id != newest && (k.map_from_body.translation() - here).norm() > limits_.max_distance;
+  };
+  keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(), far), keyframes_.end());
+  while (static_cast<int>(keyframes_.size()) > std::max(limits_.max_keyframes, 1)) keyframes_.pop_front();
+
+  std::unordered_set<std::uint32_t> kept;
+  std::size_t points = keyframes_.back().points.size();
+  for (const Keyframe& k : keyframes_) kept.insert(k.id);
+  // The cap counts points of the map; the oldest keyframes give way.
+  for (std::uint32_t owner : owner_) points += kept.count(owner);
+  while (points > static_cast<std::size_t>(limits_.max_points) && keyframes_.size() > 1) {
+    const std::uint32_t oldest = keyframes_.front().id;
+    points -= static_cast<std::size_t>(std::count(owner_.begin(), owner_.end(), oldest));
+    kept.erase(oldest);
+    keyframes_.pop_front();
+  }
+
+  std::size_t to = 0;
+  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    if (!kept.count(owner_[i])) continue;
+    cloud_.x[to] = cloud_.x[i];
+    cloud_.y[to] = cloud_.y[i];
+    cloud_.z[to] = cloud_.z[i];
+    owner_[to++] = owner_[i];
+  }
+  cloud_.x.resize(to);
+  cloud_.y.resize(to);
+  cloud_.z.resize(to);
+  owner_.resize(to);
+}
+
+void LocalMap::move_origin(const Eigen::Vector3d& here) {
+  // Whole metres, so that the shift is exact in floats for points near the robot, and voxels of the map stay in step.
+  const Eigen::Vector3d origin = here.array().round();
+  const Eigen::Vector3f shift = (origin_ - origin).cast<float>();
+  origin_ = origin;
+  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    cloud_.x[i] += shift.x();
+    cloud_.y[i] += shift.y();
+    cloud_.z[i] += shift.z();
+  }
+}
+
+void LocalMap::note_voxels(double voxel) {
+  voxel_ = voxel;
+  const float inverse_voxel = static_cast<float>(1.0 / voxel);
+  taken_.clear();
+  for (std::size_t i = 0; i < cloud_.size(); ++i) taken_.insert(voxel_key(cloud_.point(i), inverse_voxel));
+}
+
+void LocalMap::add_novel_points(const Keyframe& keyframe) {
+  const float inverse_voxel = static_cast<float>(1.0 / voxel_);
+  const Eigen::Matrix3f rotation = keyframe.map_from_body.linear().cast<float>();
+  const Eigen::Vector3f translation = (keyframe.map_from_body.translation() - origin_).cast<float>();
+  for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
+    const Eigen::Vector3f p = rotation * keyframe.points.point(i) + translation;
+    if (!taken_.insert(voxel_key(p, inverse_voxel))) continue;
+    cloud_.push_back(p);
+    owner_.push_back(keyframe.id);
+  }
+}
+
+PointCloud LocalMap::snapshot() const {
+  PointCloud result = cloud_;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result.x[i] += static_cast<float>(origin_.x());
+    result.y[i] += static_cast<float>(origin_.y());
+    result.z[i] += static_cast<float>(origin_.z());
+  }
+  return result;
+}
+
+}  // namespace scanlock

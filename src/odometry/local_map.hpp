@@ -1,0 +1,74 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "geometry/point_cloud.hpp"
+#include "geometry/rigid.hpp"
+#include "icp/scan_alignment.hpp"
+#include "odometry/voxel_set.hpp"
+
+namespace scanlock {
+
+/// A scan that the map is made of.
+struct Keyframe {
+  std::uint32_t id = 0;
+  std::int64_t utime = 0;
+  Pose map_from_body = Pose::Identity();
+  PointCloud points;  ///< deskewed and thinned, body frame
+};
+
+struct LocalMapLimits {
+  int max_keyframes = 60;
+  int max_points = 200000;
+  double max_distance = 100;  ///< metres from the robot at which a keyframe is forgotten
+};
+
+/// A sliding window of keyframes and their union, thinned to one point a voxel, the oldest point first (the map then
+/// does not creep along with what is measured against it). Coordinates are floats relative to `origin()`, which follows
+/// the robot; axes are those of the map frame.
+class LocalMap {
+ public:
+  explicit LocalMap(const LocalMapLimits& limits);
+  LocalMap(const LocalMap&) = delete;  // the surfaces point into cloud and tree
+  LocalMap& operator=(const LocalMap&) = delete;
+
+  /// Adds a keyframe at its pose. New points are indexed at once; forgetting old ones, and one index of all, wait until
+  /// it is worth it. `voxel` in metres.
+  void insert(Keyframe keyframe, double voxel);
+  void clear();
+
+  bool empty() const { return keyframes_.empty(); }
+  const std::deque<Keyframe>& keyframes() const { return keyframes_; }
+  std::size_t size() const { return cloud_.size(); }
+
+  /// Where the floats count from, map frame.
+  const Eigen::Vector3d& origin() const { return origin_; }
+  /// To align with; coordinates relative to origin(). Valid until the next insert.
+  AlignmentTarget target() { return {cloud_, tree_, surfaces_}; }
+  /// All points in the map frame, with normals where surfaces were fitted.
+  PointCloud snapshot() const;
+
+ private:
+  bool wants_rebuild(const Eigen::Vector3d& here, double voxel) const;
+  void forget(const Eigen::Vector3d& here);
+  void move_origin(const Eigen::Vector3d& here);
+  void note_voxels(double voxel);
+  void add_novel_points(const Keyframe& keyframe);
+
+  LocalMapLimits limits_;
+  std::deque<Keyframe> keyframes_;
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
+  PointCloud cloud_;                  ///< relative to origin_
+  std::vector<std::uint32_t> owner_;  ///< id of the keyframe that each point came with
+  double voxel_ = 0;                  ///< metres, of the grid that `taken_` is of
+  VoxelSet taken_;
+  KdForest tree_;
+  LocalSurfaces surfaces_;
+  std::uint32_t next_id_ = 0;
+};
+
+}  // namespace scanlock

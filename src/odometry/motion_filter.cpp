@@ -1,0 +1,65 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/motion_filter.hpp"
+
+#include <Eigen/Cholesky>
+
+namespace scanlock {
+namespace {
+
+// What a robot that nobody knows anything of may be doing when it is first seen.
+constexpr double kStartSpeed = 10.0;      // m/s
+constexpr double kStartTurnRate = 1.5;    // rad/s
+constexpr double kPoseFloor = 1e-3;       // m and rad: no pose is known better than this
+
+Matrix12 inverse(const Matrix12& matrix) {
+  return matrix.ldlt().solve(Matrix12::Identity());
+}
+
+}  // namespace
+
+MotionFilter::MotionFilter(double acceleration, double angular_acceleration)
+    : linear_density_(acceleration * acceleration * kManoeuvre),
+      angular_density_(angular_acceleration * angular_acceleration * kManoeuvre) {}
+
+void MotionFilter::start(const Pose& pose) {
+  state_ = {pose, Vector6::Zero()};
+  Eigen::Matrix<double, 12, 1> sigma;
+  sigma.head<6>().setConstant(kPoseFloor);
+  sigma.segment<3>(6).setConstant(kStartSpeed);
+  sigma.tail<3>().setConstant(kStartTurnRate);
+  covariance_ = sigma.cwiseAbs2().asDiagonal();
+}
+
+MotionPrior MotionFilter::predict(double dt) const {
+  MotionPrior prior;
+  const Vector6 step = dt * state_.twist;
+  prior.mean.pose = renormalised(state_.pose * se3_exp(step));
+  prior.mean.twist = state_.twist;
+
+  Matrix12 transition = Matrix12::Identity();
+  transition.topLeftCorner<6, 6>() = adjoint(se3_exp(-step));
+  transition.topRightCorner<6, 6>() = dt * se3_left_jacobian(-step);  // the right Jacobian at step
+  Vector6 density;
+  density << Eigen::Vector3d::Constant(linear_density_), Eigen::Vector3d::Constant(angular_density_);
+  Matrix12 noise = Matrix12::Zero();
+  noise.diagonal() << density * (dt * dt * dt / 3.0), density * dt;
+  noise.topRightCorner<6, 6>().diagonal() = density * (dt * dt / 2.0);
+  noise.bottomLeftCorner<6, 6>().diagonal() = density * (dt * dt / 2.0);
+  noise.diagonal().head<6>().array() += kPoseFloor * kPoseFloor;
+  noise.diagonal().tail<6>().array() += kPoseFloor * kPoseFloor;
+  prior.information = inverse(transition * covariance_ * transition.transpose() + noise);
+  return prior;
+}
+
+void MotionFilter::update(const MotionPrior& prior, const ScanAlignment& alignment, double variance) {
+  state_ = {renormalised(alignment.moving.pose), alignment.moving.twist};
+  covariance_ = inverse(prior.information + alignment.information / variance);
+}
+
+void MotionFilter::coast(const MotionPrior& prior) {
+  state_ = prior.mean;
+  covariance_ = inverse(prior.information);
+}
+
+}  // namespace scanlock

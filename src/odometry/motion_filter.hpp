@@ -1,0 +1,40 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "icp/scan_alignment.hpp"
+
+namespace scanlock {
+
+/// The motion between scans: constant body velocity, disturbed by white noise on the acceleration. It gives each scan
+/// its prior over the *real* time since the last one, so that a gap in the data is bridged and not skipped.
+class MotionFilter {
+ public:
+  /// Accelerations that the robot may well reach, m/s^2 and rad/s^2; one that lasts `kManoeuvre` seconds is one sigma.
+  MotionFilter(double acceleration, double angular_acceleration);
+
+  /// At rest at `pose`, the velocity unknown.
+  void start(const Pose& pose);
+
+  /// The state `dt` seconds on (dt >= 0): its mean is the prediction, its information what it is worth.
+  MotionPrior predict(double dt) const;
+
+  /// Takes the outcome of an alignment that used `prior`: state and covariance become the posterior.
+  /// `variance`: of one residual, m^2, correlations counted in.
+  void update(const MotionPrior& prior, const ScanAlignment& alignment, double variance);
+
+  /// Takes the prediction for the state: nothing was seen.
+  void coast(const MotionPrior& prior);
+
+  const MovingPose& state() const { return state_; }
+  /// Of [pose error; twist error] as in MotionPrior.
+  const Matrix12& covariance() const { return covariance_; }
+
+ private:
+  static constexpr double kManoeuvre = 0.3;
+  double linear_density_, angular_density_;  ///< power spectral densities of the white noise, m^2/s^3 and rad^2/s^3
+  MovingPose state_;
+  Matrix12 covariance_ = Matrix12::Identity();
+};
+
+}  // namespace scanlock

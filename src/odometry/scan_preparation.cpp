@@ -1,0 +1,119 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/scan_preparation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "geometry/voxel_grid.hpp"
+
+namespace scanlock {
+namespace {
+
+/// The source is thinned to this many map voxels: the coarsest that still leaves enough points. Coarse is good where there
+/// are many, for it weighs the far and sparse, which fix the rotation, like the near and dense.
+constexpr float kSourceVoxels[] = {2.0f, 1.41f, 1.0f};
+
+constexpr double kVoxelPerRange = 0.045;  // the first guess, before a count is known
+constexpr double kStep = 1.4142135623730951;
+constexpr double kBand = 1.6;
+constexpr int kSettlingRounds = 8;
+
+/// Squared ranges in bins of 1/16 octave (of the range: 1/32): the top bits of a float are a logarithm.
+class RangeHistogram {
+ public:
+  void add(float squared_range) { ++counts_[bin(squared_range)]; }
+  double median() const {
+    std::size_t total = 0, below = 0;
+    for (std::size_t count : counts_) total += count;
+    for (std::size_t b = 0; b < counts_.size(); ++b) {
+      below += counts_[b];
+      if (2 * below > total) return std::sqrt(static_cast<double>(value(b)));
+    }
+    return 0;
+  }
+
+ private:
+  static constexpr int kShift = 23 - 4;
+  static std::size_t bin(float v) {
+    std::uint32_t bits;
+    std::memcpy(&bits, &v, sizeof bits);
+    return bits >> kShift;
+  }
+  static float value(std::size_t bin) {
+    const std::uint32_t bits = static_cast<std::uint32_t>(bin) << kShift;
+    float v;
+    std::memcpy(&v, &bits, sizeof v);
+    return v;
+  }
+  std::array<std::uint32_t, 1u << (31 - kShift)> counts_{};
+};
+
+}  // namespace
+
+CroppedScan crop(const PointCloud& points, double min_range, double max_range) {
+  CroppedScan result;
+  const float least = static_cast<float>(min_range * min_range), greatest = static_cast<float>(max_range * max_range);
+  RangeHistogram histogram;
+  result.indices.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const float squared = points.x[i] * points.x[i] + points.y[i] * points.y[i] + points.z[i] * points.z[i];
+    if (!(squared >= least && squared <= greatest)) continue;  // NaN fails too
+    result.indices.push_back(static_cast<std::uint32_t>(i));
+    histogram.add(squared);
+  }
+  result.median_range = histogram.median();
+  return result;
+}
+
+VoxelScale::VoxelScale(int wanted, double min_voxel, double max_voxel)
+    : wanted_(wanted), min_voxel_(min_voxel), max_voxel_(max_voxel) {}
+
+double VoxelScale::current(double median_range) {
+  if (voxel_ == 0 && median_range > 0) {
+    voxel_ = std::clamp(std::exp2(std::round(2.0 * std::log2(kVoxelPerRange * median_range)) / 2.0), min_voxel_, max_voxel_);
+  }
+  return voxel_ > 0 ? voxel_ : max_voxel_;
+}
+
+bool VoxelScale::adapt(std::size_t thinned, std::size_t cropped) {
+  if (voxel_ == 0 || cropped == 0) return false;
+  // A sparse scan cannot give more than it has; half of it is what a map can be made of.
+  const double wanted = std::min(wanted_, 0.5 * static_cast<double>(cropped));
+  const double count = static_cast<double>(thinned), before = voxel_;
+  // Counts go like 1/v^2 on surfaces: one step doubles them at most, and the band is wider than that.
+  if (count > kBand * wanted) voxel_ *= kStep;
+  if (count * kBand < wanted) voxel_ /= kStep;
+  voxel_ = std::clamp(voxel_, min_voxel_, max_voxel_);
+  return voxel_ != before;
+}
+
+PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, VoxelScale* scale, bool first,
+                       int max_source_points) {
+  PreparedScan result;
+  std::vector<std::uint32_t> fine;
+  // The first scan settles the size; later ones change it by one step at a time, for the scan after them.
+  for (int round = 0; round < (first ? kSettlingRounds : 1); ++round) {
+    result.voxel = scale->current(cropped.median_range);
+    fine = thin_by_voxel(points, cropped.indices, static_cast<float>(result.voxel));
+    if (!scale->adapt(fine.size(), cropped.indices.size())) break;
+  }
+  result.fine = select(points, fine);
+  const std::size_t most = static_cast<std::size_t>(std::max(max_source_points, 1));
+  std::vector<std::uint32_t> source;
+  for (float voxels : kSourceVoxels) {
+    source = thin_by_voxel(result.fine, voxels * static_cast<float>(result.voxel));
+    if (2 * source.size() >= most) break;
+  }
+  if (source.size() > most) {  // evenly along the Morton curve, so evenly in space
+    std::vector<std::uint32_t> fewer(most);
+    for (std::size_t i = 0; i < most; ++i) fewer[i] = source[i * source.size() / most];
+    source.swap(fewer);
+  }
+  result.source = select(result.fine, source);
+  return result;
+}
+
+}  // namespace scanlock

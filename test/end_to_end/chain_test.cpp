@@ -1,0 +1,157 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+#include <signal.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "listener.hpp"
+#include "network.hpp"
+#include "process.hpp"
+#include "synthetic.hpp"
+
+using namespace scanlock::test;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+namespace {
+
+constexpr int kScans = 16;
+#ifdef __SANITIZE_ADDRESS__
+const char* const kSpeed =
+    "0.2";  // a sanitised tracker is several times slower; losing scans would be right then
+#else
+const char* const kSpeed = "1";
+#endif
+
+/// What came out of the chain lcm-logplayer -> scanlockd -> lcm-logger.
+struct Recorded {
+  ::scanlock::status_t status{};
+  std::map<std::int64_t, Place> poses;
+};
+
+/// Why the chain cannot run here; empty when it can.
+std::string lack_of(const Network& network) {
+  if (!network.lack().empty()) return network.lack();
+  if (possible_receive_buffer() >= 4000000) return "";
+  return "a receive buffer of 4 MB is not granted (sysctl -w net.core.rmem_max=8388608)";
+}
+
+Recorded play_through(const Network& network, const TemporaryFolder& folder, const std::string& log,
+                      int scans) {
+  Listener listener(network.url());
+  const std::string out = folder / "out.lcmlog";
+  Process logger(folder, {"lcm-logger", "--lcm-url=" + network.url() + "&recv_buf_size=8388608",
+                          "--flush-interval=20", "-c", "POSE_.*|SCANLOCK_.*", out});
+  Process daemon(folder, {"scanlockd", "-l", network.url()});
+  REQUIRE(listener.until_ready());
+  REQUIRE(listener.until([&] { return !read_log(out).empty(); }));  // the logger is there, too
+  Process player(folder, {"lcm-logplayer", "-l", network.url(), "-s", kSpeed, log});
+  CHECK(listener.until([&] { return static_cast<int>(listener.poses.size()) >= scans; }, seconds(20)));
+  CHECK(player.wait(seconds(5)) == 0);
+  const int statuses = listener.statuses;
+  CHECK(listener.until([&] { return listener.statuses > statuses; }));
+  daemon.send(SIGTERM);
+  CHECK(daemon.wait(seconds(2)) == 0);
+  Recorded recorded{listener.status, {}};
+  CHECK(listener.until(
+      [&] {
+        recorded.poses = poses_in(read_log(out), "POSE_BODY_CORRECTED");
+        return static_cast<int>(recorded.poses.size()) >= scans;
+      },
+      seconds(3)));
+  logger.send(SIGTERM);
+  logger.wait(seconds(2));
+  return recorded;
+}
+
+/// The utime of a scan in the log: it follows the fingerprint in every type that we write.
+std::int64_t utime_in(const Event& scan) {
+  std::uint64_t utime = 0;
+  for (std::size_t i = 8; i < 16; ++i) utime = utime << 8 | scan.data.at(i);
+  return static_cast<std::int64_t>(utime);
+}
+
+/// The last row of a file of KITTI poses: x and y.
+Place last_of(const std::string& path) {
+  std::istringstream numbers(read_file(path));
+  std::vector<double> all;
+  for (double number = 0; numbers >> number;) all.push_back(number);
+  REQUIRE(all.size() >= 12);
+  return {all[all.size() - 9], all[all.size() - 5], 0};
+}
+
+}  // namespace
+
+TEST_CASE("every scan that lcm-logplayer plays has its pose in what lcm-logger records") {
+  const Network network;
+  if (!lack_of(network).empty()) {
+    MESSAGE("skipped: " << lack_of(network));
+    return;
+  }
+  const TemporaryFolder folder;
+  const std::vector<Event> events = drive(kScans);
+  REQUIRE(events[0].data.size() > 1900000);
+  write_log(folder / "in.lcmlog", events);
+  const Recorded recorded = play_through(network, folder, folder / "in.lcmlog", kScans);
+  CHECK(recorded.status.scans_received == kScans);
+  CHECK(recorded.status.scans_used == kScans);
+  CHECK(recorded.status.scans_replaced == 0);
+  CHECK(recorded.status.kernel_drops == 0);
+  CHECK(recorded.status.recv_buf_granted >= 4000000);
+  for (int i = 0; i < kScans; ++i) {
+    CAPTURE(i);
+    CHECK(recorded.poses.count(utime_of(i)) == 1);
+  }
+  CHECK(recorded.poses.size() == kScans);
+  CHECK(worst_error(recorded.poses, kScans) < 0.1);
+}
+
+TEST_CASE("the first scans of KITTI 00 end within 5 cm of the reference") {
+  const char* data = std::getenv("SCANLOCK_DATA");
+  const std::string sequence = std::string(data == nullptr ? "" : data) + "/seq/kitti_00_16";
+  if (data == nullptr || read_file(sequence + "/poses_ref.txt").empty()) {
+    MESSAGE("skipped: SCANLOCK_DATA names no folder with seq/kitti_00_16");
+    return;
+  }
+  const Network network;
+  if (!lack_of(network).empty()) {
+    MESSAGE("skipped: " << lack_of(network));
+    return;
+  }
+  const TemporaryFolder folder;
+  REQUIRE(run(folder, {"scanlock-convert", sequence, folder / "in.lcmlog"}).code == 0);
+  const std::vector<Event> scans = read_log(folder / "in.lcmlog");
+  REQUIRE(scans.size() == kScans);
+  const Recorded recorded = play_through(network, folder, folder / "in.lcmlog", kScans);
+  REQUIRE(recorded.poses.size() == kScans);
+  for (const auto& scan : scans) CHECK(recorded.poses.count(utime_in(scan)) == 1);
+  const Place last = recorded.poses.rbegin()->second, reference = last_of(sequence + "/poses_ref.txt");
+  CAPTURE(last.x);
+  CAPTURE(last.y);
+  CHECK(std::hypot(last.x - reference.x, last.y - reference.y) < 0.05);
+}
+
+TEST_CASE("a replay from a file loses nothing and gives the same poses twice") {
+  const Network network;
+  const TemporaryFolder folder;
+  write_log(folder / "in.lcmlog", drive(kScans, 16, 900));
+  std::vector<Event> first;
+  for (const std::string out : {"a.lcmlog", "b.lcmlog"}) {
+    const Result result = run(folder, {"scanlockd", "-l", "file://" + (folder / "in.lcmlog") + "?speed=0",
+                                       "--out-url", "file://" + (folder / out) + "?mode=w"});
+    CAPTURE(result.errors);
+    CHECK(result.code == 0);
+    std::vector<Event> published;
+    for (const auto& event : read_log(folder / out)) {
+      if (event.channel != "SCANLOCK_STATUS") published.push_back(event);  // it says how this run went
+    }
+    CHECK(poses_in(published, "POSE_BODY_CORRECTED").size() == kScans);
+    CHECK(worst_error(poses_in(published, "POSE_BODY_CORRECTED"), kScans) < 0.1);
+    if (first.empty()) first = published;
+    REQUIRE(published.size() == first.size());
+    for (std::size_t i = 0; i < first.size(); ++i) CHECK(published[i].data == first[i].data);
+  }
+}

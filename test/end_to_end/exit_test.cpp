@@ -1,0 +1,183 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+#include <signal.h>
+
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "listener.hpp"
+#include "network.hpp"
+#include "process.hpp"
+#include "synthetic.hpp"
+
+using namespace scanlock::test;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+namespace {
+
+long lines_in(const std::string& text) {
+  return std::count(text.begin(), text.end(), '\n');
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("help and version go to standard output and are no errors") {
+  const TemporaryFolder folder;
+  const Result help = run(folder, {"scanlockd", "--help"});
+  CHECK(help.code == 0);
+  CHECK(contains(help.output, "--scan-channel"));
+  const Result version = run(folder, {"scanlockd", "-V"});
+  CHECK(version.code == 0);
+  CHECK(contains(version.output, "."));
+}
+
+TEST_CASE("wrong usage is 2") {
+  const TemporaryFolder folder;
+  CHECK(run(folder, {"scanlockd", "--no-such-flag"}).code == 2);
+  CHECK(run(folder, {"scanlockd", "--threads", "0"}).code == 2);
+  CHECK(run(folder, {"scanlockd", "stray"}).code == 2);
+}
+
+TEST_CASE("a configuration that cannot be used is 1 and one line that says where and what") {
+  const TemporaryFolder folder;
+  write_file(folder / "unknown.toml", "[tracker]\nthread = 2\n");
+  write_file(folder / "range.toml", "[tracker]\nthreads = 0\n");
+  write_file(folder / "broken.toml", "[tracker\n");
+  const std::string missing = folder / "missing.toml";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"unknown.toml", "unknown.toml:2: tracker.thread: unknown key; did you mean tracker.threads?"},
+      {"range.toml", "range.toml:2: tracker.threads: 0 is not in 1 to 256"},
+      {"broken.toml", "broken.toml:1: not TOML"},
+      {"missing.toml", missing}};
+  for (const auto& [name, sentence] : cases) {
+    CAPTURE(name);
+    const Result result = run(folder, {"scanlockd", "-c", folder / name});
+    CHECK(result.code == 1);
+    CHECK(contains(result.errors, sentence));
+    CHECK(lines_in(result.errors) == 1);
+    CHECK(result.output.empty());
+  }
+}
+
+TEST_CASE("the printed configuration can be given back") {
+  const TemporaryFolder folder;
+  const Result printed =
+      run(folder, {"scanlockd", "--print-config", "--scan-channel", "A", "--threads", "3"});
+  CHECK(printed.code == 0);
+  write_file(folder / "same.toml", printed.output);
+  const Result again = run(folder, {"scanlockd", "--print-config", "-c", folder / "same.toml"});
+  CHECK(again.code == 0);
+  CHECK(again.output == printed.output);
+}
+
+TEST_CASE("a log that cannot be read or written is 1 and named") {
+  const Network network;
+  const TemporaryFolder folder;
+  const Result missing = run(folder, {"scanlockd", "-l", "file://" + (folder / "no.lcmlog")});
+  CHECK(missing.code == 1);
+  CHECK(contains(missing.errors, "no.lcmlog"));
+  const Result reading = run(folder, {"scanlockd", "--out-url", "file://" + (folder / "out.lcmlog")});
+  CHECK(reading.code == 1);
+  CHECK(contains(reading.errors, "mode=w"));
+}
+
+TEST_CASE("a signal ends the daemon with 0 while it works") {
+  const Network network;
+  if (!network.lack().empty()) {
+    MESSAGE("skipped: " << network.lack());
+    return;
+  }
+  const TemporaryFolder folder;
+  std::vector<std::vector<std::uint8_t>> scans;
+  for (int i = 0; i < 40; ++i) scans.push_back(bytes_of(scan_from(place_on_drive(i), utime_of(i), 16, 900)));
+  for (const int signal : {SIGTERM, SIGINT}) {
+    Listener listener(network.url());
+    Process daemon(folder, {"scanlockd", "-l", network.url()});
+    REQUIRE(listener.until_ready());
+    for (const auto& scan : scans) {  // faster than any tracker
+      listener.publish("LIDAR", scan);
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    daemon.send(signal);
+    CHECK(daemon.wait(seconds(2)) == 0);  // it promises one; the machine may be busy
+    CHECK(contains(daemon.errors(), "ended: "));
+  }
+}
+
+TEST_CASE("without a multicast route the daemon waits, says what to do, and works once there is one") {
+  Network network(false);
+  if (!network.is_private()) {
+    MESSAGE("skipped: no network namespace of its own");
+    return;
+  }
+  const TemporaryFolder folder;
+  Process daemon(folder, {"scanlockd", "-l", network.url()});
+  while (!contains(daemon.errors(), "cannot receive") && !daemon.wait(milliseconds(50))) {
+  }
+  CHECK(contains(daemon.errors(), "ip link set lo up"));
+  CHECK_FALSE(daemon.wait(milliseconds(500)).has_value());
+  network.add_route();
+  Listener listener(network.url());
+  REQUIRE(listener.until_ready());
+  const auto scan = bytes_of(scan_from({}, utime_of(0), 16, 360));
+  CHECK(listener.until(
+      [&] {
+        listener.publish("LIDAR", scan);
+        return !listener.poses.empty();
+      },
+      seconds(15)));
+  daemon.send(SIGTERM);
+  CHECK(daemon.wait(seconds(2)) == 0);
+}
+
+TEST_CASE("a signal ends a daemon that still waits for its network") {
+  Network network(false);
+  if (!network.is_private()) {
+    MESSAGE("skipped: no network namespace of its own");
+    return;
+  }
+  const TemporaryFolder folder;
+  Process daemon(folder, {"scanlockd", "-l", network.url()});
+  while (!contains(daemon.errors(), "cannot receive") && !daemon.wait(milliseconds(50))) {
+  }
+  daemon.send(SIGTERM);
+  CHECK(daemon.wait(seconds(2)) == 0);
+}
+
+TEST_CASE("the doctor finds nothing wrong where multicast works") {
+  const Network network;
+  if (!network.lack().empty() || possible_receive_buffer() < 4000000) {
+    MESSAGE("skipped: " << network.lack() << " (or no receive buffer of 4 MB)");
+    return;
+  }
+  const TemporaryFolder folder;
+  const Result result = run(folder, {"scanlockd", "--check", "--json", "-l", network.url()});
+  CHECK(result.code == 0);
+  const auto json = nlohmann::json::parse(result.output);
+  CHECK(json["ok"] == true);
+  CHECK(json["echo"]["received"] == json["echo"]["sent"]);
+}
+
+TEST_CASE("the doctor finds the faults and names the command for each") {
+  Network network(false);
+  if (!network.is_private()) {
+    MESSAGE("skipped: no network namespace of its own");
+    return;
+  }
+  const TemporaryFolder folder;
+  const Result no_route = run(folder, {"scanlockd", "--check", "-l", network.url()});
+  CHECK(no_route.code == 1);
+  CHECK(contains(no_route.output, "ip link set lo up"));
+  CHECK(contains(no_route.output, "ip route add 224.0.0.0/4 dev lo"));
+  network.add_route();
+  const Result small = run(folder, {"scanlockd", "--check", "-l", network.url() + "&recv_buf_size=100000"});
+  CHECK(small.code == 1);
+  CHECK(contains(small.output, "100000 bytes wanted, 100000 granted"));
+  CHECK(contains(small.output, "recv_buf_size=8388608"));
+}

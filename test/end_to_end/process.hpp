@@ -1,0 +1,58 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace scanlock::test {
+
+/// A folder of its own that goes with the test.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::string operator/(const std::string& name) const { return path_ + "/" + name; }
+
+ private:
+  std::string path_;
+};
+
+/// A running program; killed when the test forgets it. Its two outputs are kept.
+class Process {
+ public:
+  /// The first of `command` is a path, a program of ours by its bare name, or one on the PATH.
+  Process(const TemporaryFolder& folder, const std::vector<std::string>& command);
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void send(int signal) const;
+  /// The exit code, or 128 plus the signal that ended it; nothing when it still runs after `patience`.
+  std::optional<int> wait(std::chrono::milliseconds patience);
+  std::string output() const;  ///< standard output so far
+  std::string errors() const;  ///< standard error so far
+
+ private:
+  pid_t pid_ = -1;
+  std::optional<int> code_;
+  std::string output_path_, error_path_;
+};
+
+/// Runs a program to its end (at most 30 s).
+struct Result {
+  int code = -1;
+  std::string output, errors;
+};
+Result run(const TemporaryFolder& folder, const std::vector<std::string>& command);
+
+std::string read_file(const std::string& path);
+void write_file(const std::string& path, const std::string& text);
+
+}  // namespace scanlock::test

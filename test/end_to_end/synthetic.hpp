@@ -1,0 +1,54 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <bot_core/pointcloud2_t.hpp>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace scanlock::test {
+
+/// What the tests make themselves, with lcm-gen's types and nothing of ours, so that they judge from outside.
+
+struct Place {
+  double x = 0, y = 0, yaw = 0;  ///< metres, radians; the sensor stands 1.7 m above the ground
+};
+
+/// A drive along a street: 8 m/s, turning slowly. Scan i is taken at time i / 10 s.
+Place place_on_drive(int scan);
+
+/// What a sensor of `rings` x `columns` rays sees of a street of boxes from there, without motion within the
+/// scan.
+bot_core::pointcloud2_t scan_from(const Place& place, std::int64_t utime, int rings, int columns);
+
+/// Any message as the bytes that travel.
+template <typename Message>
+std::vector<std::uint8_t> bytes_of(const Message& message) {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+/// An event of an LCM log.
+struct Event {
+  std::int64_t utime = 0;
+  std::string channel;
+  std::vector<std::uint8_t> data;
+};
+void write_log(const std::string& path, const std::vector<Event>& events);
+std::vector<Event> read_log(const std::string& path);
+
+/// The bot_core.pose_t of a channel, by their utime.
+std::map<std::int64_t, Place> poses_in(const std::vector<Event>& events, const std::string& channel);
+
+/// The drive as events of 2 MB on LIDAR, ten a second.
+constexpr std::int64_t kFirstUtime = 1700000000000000;
+std::vector<Event> drive(int scans, int rings = 64, int columns = 1900);
+std::int64_t utime_of(int scan);
+
+/// How far the estimate lies from the drive at its worst, relative to the first scan; metres.
+double worst_error(const std::map<std::int64_t, Place>& poses, int scans);
+
+}  // namespace scanlock::test

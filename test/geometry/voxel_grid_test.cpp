@@ -1,0 +1,71 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "geometry/voxel_grid.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <set>
+#include <tuple>
+
+namespace scanlock {
+namespace {
+
+PointCloud random_cloud(std::size_t n, unsigned seed) {
+  std::mt19937 rng(seed);
+  std::uniform_real_distribution<float> uniform(-5.0f, 5.0f);
+  PointCloud cloud;
+  for (std::size_t i = 0; i < n; ++i) {
+    cloud.push_back(uniform(rng), uniform(rng), uniform(rng));
+    cloud.time.push_back(static_cast<float>(i));
+  }
+  return cloud;
+}
+
+}  // namespace
+
+TEST_CASE("thinning keeps one point for each voxel that has any") {
+  const PointCloud cloud = random_cloud(20000, 1);
+  std::set<std::tuple<int, int, int>> occupied;
+  const auto voxel_of = [&](std::size_t i) {
+    return std::make_tuple(static_cast<int>(std::floor(cloud.x[i] / 0.5f)), static_cast<int>(std::floor(cloud.y[i] / 0.5f)),
+                           static_cast<int>(std::floor(cloud.z[i] / 0.5f)));
+  };
+  for (std::size_t i = 0; i < cloud.size(); ++i) occupied.insert(voxel_of(i));
+  std::set<std::tuple<int, int, int>> kept;
+  for (std::uint32_t i : thin_by_voxel(cloud, 0.5f)) CHECK(kept.insert(voxel_of(i)).second);
+  CHECK(kept == occupied);
+}
+
+TEST_CASE("thinning does not depend on the order of the points") {
+  const PointCloud cloud = random_cloud(5000, 2);
+  std::vector<std::uint32_t> order(cloud.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::shuffle(order.begin(), order.end(), std::mt19937(3));
+  const PointCloud shuffled = select(cloud, order);
+  const PointCloud a = select(cloud, thin_by_voxel(cloud, 0.7f));
+  const PointCloud b = select(shuffled, thin_by_voxel(shuffled, 0.7f));
+  CHECK(a.x == b.x);
+  CHECK(a.y == b.y);
+  CHECK(a.z == b.z);
+  CHECK(a.time == b.time);
+}
+
+TEST_CASE("thinning leaves out what no voxel can hold") {
+  PointCloud cloud;
+  cloud.push_back(std::numeric_limits<float>::quiet_NaN(), 0, 0);
+  cloud.push_back(0, std::numeric_limits<float>::infinity(), 0);
+  cloud.push_back(0, 0, 1e30f);
+  cloud.push_back(1, 2, 3);
+  const std::vector<std::uint32_t> kept = thin_by_voxel(cloud, 0.1f);
+  REQUIRE(kept.size() == 1);
+  CHECK(kept[0] == 3);
+  CHECK(thin_by_voxel(PointCloud{}, 0.1f).empty());
+  CHECK_THROWS(thin_by_voxel(cloud, 0.0f));
+}
+
+}  // namespace scanlock

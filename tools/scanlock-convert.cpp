@@ -1,0 +1,227 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+// Scans and trajectories between LCM logs and files.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "io/log_info.hpp"
+#include "io/log_poses.hpp"
+#include "io/progress_bar.hpp"
+#include "io/scan_log.hpp"
+#include "io/trajectory_source.hpp"
+
+namespace {
+
+using namespace scanlock;
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string input, output, channel, type = "pointcloud2";
+  ScanDirectory::Clock clock;
+  bool info = false, json = false;
+};
+
+constexpr const char* kFooter = R"(What is done depends on IN and OUT:
+  DIR LOG                   numbered .bin, .pcd or .ply scans into an LCM log (channel LIDAR), in the order of their
+                            numbers. DIR/times.txt, if there: a line for each scan, the seconds it is stamped with.
+                            DIR/ptime/NAME.f32, if there: float32 seconds of each point relative to that stamp.
+  LOG DIR                   the other way, into a new directory (.bin, times.txt, ptime/)
+  LOG --info                channels, types, counts, rates, gaps; damage is passed over, counted and reported
+  LOG OUT.tum|OUT.kitti     a pose channel (POSE_BODY_CORRECTED) as a trajectory
+  IN.tum OUT.kitti, IN.kitti OUT.tum
+                            a trajectory in the other format; IN is told by its content, OUT by its name
+                            (.tum: TUM; .kitti or .txt: KITTI)
+
+Stamps: with times.txt, utime is that time in microseconds; without it (and for the poses of a KITTI file, which
+has no times) scan n is stamped n periods after zero. --utime moves zero to US; by default zero is utime 1000000,
+and 0 when times.txt begins later than zero. The log's events carry the scans' own utime.)";
+
+int usage(int argc, char** argv, Options& options) {
+  CLI::App app{"Scans and trajectories between LCM logs and files."};
+  app.footer(kFooter);
+  app.set_version_flag("-V,--version", std::string("scanlock-convert ") + SCANLOCK_VERSION);
+  app.add_option("IN", options.input, "a directory of scans, an LCM log or a trajectory")->required();
+  app.add_option("OUT", options.output, "an LCM log, a new directory or a trajectory");
+  app.add_option("--channel", options.channel,
+                 "of the scans (default: LIDAR) or poses (POSE_BODY_CORRECTED)");
+  app.add_option("--type", options.type, "message type of the scans in a new log (default: pointcloud2)")
+      ->check(CLI::IsMember({"pointcloud2", "pointcloud", "drake", "sectors", "planar"}));
+  app.add_option("--period", options.clock.period_s,
+                 "seconds from scan to scan without times.txt (default: 0.1)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--utime", options.clock.zero_utime, "microseconds: the utime of time zero")
+      ->check(CLI::NonNegativeNumber);
+  app.add_flag("--info", options.info, "tell what is in the log IN");
+  app.add_flag("--json", options.json, "print one JSON object");
+  try {
+    app.parse(argc, argv);
+    if (options.info && !options.output.empty()) throw CLI::ValidationError("--info takes no OUT");
+    if (!options.info && options.output.empty()) throw CLI::ValidationError("OUT is missing (or --info)");
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return -1;
+}
+
+void warn(const Options& options, const std::string& what) {
+  std::cerr << "scanlock-convert: " << options.input << ": " << what << "\n";
+}
+
+std::string channel_or(const Options& options, const char* standard) {
+  return options.channel.empty() ? standard : options.channel;
+}
+
+Progress shown_by(ProgressBar& bar) {
+  return [&bar](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
+}
+
+void report_scans(const Options& options, const ScanConversion& result, const std::string& channel) {
+  if (result.rejected > 0)
+    warn(options, std::to_string(result.rejected) + " messages on " + channel + " hold no scan (" +
+                      result.first_error + ")");
+  if (result.incomplete > 0)
+    warn(options, std::to_string(result.incomplete) + " scans lack some of their sectors");
+  if (!result.damage.empty()) warn(options, result.damage);
+  if (options.json)
+    std::cout << Json{{"scans", result.scans},
+                      {"points", result.points},
+                      {"left_out_points", result.left_out_points},
+                      {"rejected", result.rejected},
+                      {"incomplete", result.incomplete},
+                      {"channel", channel},
+                      {"output", options.output}}
+                     .dump()
+              << "\n";
+  else
+    std::cout << result.scans << " scans, " << result.points << " points, channel " << channel << " -> "
+              << options.output << "\n";
+}
+
+void convert_directory(const Options& options) {
+  static const std::map<std::string, ScanMessage> types = {{"pointcloud2", ScanMessage::kPointcloud2},
+                                                           {"pointcloud", ScanMessage::kPointcloud},
+                                                           {"drake", ScanMessage::kDrake},
+                                                           {"sectors", ScanMessage::kSectors},
+                                                           {"planar", ScanMessage::kPlanar}};
+  const std::string channel = channel_or(options, "LIDAR");
+  ProgressBar bar("scans");
+  report_scans(options,
+               directory_to_log(ScanDirectory(options.input, options.clock), options.output, channel,
+                                types.at(options.type), shown_by(bar)),
+               channel);
+}
+
+void convert_log_scans(const Options& options) {
+  const std::string channel = channel_or(options, "LIDAR");
+  ProgressBar bar("log");
+  report_scans(options, log_to_directory(options.input, channel, options.output, shown_by(bar)), channel);
+}
+
+Json info_json(const Options& options, const LogInfo& info) {
+  Json channels = Json::array();
+  for (const ChannelInfo& c : info.channels)
+    channels.push_back({{"name", c.name},
+                        {"type", c.type},
+                        {"events", c.events},
+                        {"bytes", c.bytes},
+                        {"first_utime", c.first_utime},
+                        {"last_utime", c.last_utime},
+                        {"rate_hz", c.rate_hz},
+                        {"gaps", c.gaps},
+                        {"largest_gap_s", c.largest_gap_s},
+                        {"backward_steps", c.backward_steps}});
+  return {{"file", options.input},
+          {"events", info.events},
+          {"duration_s", info.duration_s},
+          {"damaged_places", info.damaged_places},
+          {"skipped_bytes", info.skipped_bytes},
+          {"truncated", info.truncated},
+          {"channels", channels}};
+}
+
+void show_info(const Options& options) {
+  LogInfo info;
+  {
+    ProgressBar bar("log");
+    info = inspect_log(options.input, shown_by(bar));
+  }
+  if (options.json) {
+    std::cout << info_json(options, info).dump() << "\n";
+    return;
+  }
+  std::printf("%s: %zu events, %.3f s\n", options.input.c_str(), info.events, info.duration_s);
+  if (info.damaged_places > 0)
+    std::printf("DAMAGED at %lld place(s), %lld bytes skipped\n", static_cast<long long>(info.damaged_places),
+                static_cast<long long>(info.skipped_bytes));
+  if (info.truncated) std::printf("TRUNCATED: the last event is cut short\n");
+  if (info.channels.empty()) return;
+  std::printf("%-28s %8s %10s %9s %6s %9s  %s\n", "channel", "events", "MB", "rate Hz", "gaps", "longest s",
+              "type");
+  for (const ChannelInfo& c : info.channels) {
+    std::printf("%-28s %8zu %10.3f %9.2f %6zu %9.3f  %s\n", c.name.c_str(), c.events,
+                static_cast<double>(c.bytes) * 1e-6, c.rate_hz, c.gaps, c.largest_gap_s, c.type.c_str());
+    if (c.backward_steps > 0)
+      std::printf("%-28s %zu events are stamped before the one in front\n", "", c.backward_steps);
+  }
+}
+
+/// KITTI poses have no times: they get those of scans without times.txt.
+void stamp(Trajectory& trajectory, const ScanDirectory::Clock& clock) {
+  const double zero_s = clock.zero_utime >= 0 ? static_cast<double>(clock.zero_utime) * 1e-6 : 1.0;
+  for (StampedPose& stamped : trajectory) stamped.time_s = zero_s + clock.period_s * stamped.time_s;
+}
+
+void convert_trajectory(const Options& options) {
+  const bool log = is_log(options.input);
+  const std::string source =
+      log && !options.channel.empty() ? options.input + ":" + options.channel : options.input;
+  LoadedTrajectory loaded = load_trajectory(source);
+  if (!loaded.warning.empty()) warn(options, loaded.warning);
+  const bool to_tum = std::filesystem::path(options.output).extension() == ".tum";
+  if (to_tum) {
+    if (!loaded.has_times) stamp(loaded.trajectory, options.clock);
+    write_tum(options.output, loaded.trajectory);
+  } else {
+    write_kitti(options.output, loaded.trajectory);
+  }
+  if (options.json)
+    std::cout << Json{{"poses", loaded.trajectory.size()}, {"output", options.output}}.dump() << "\n";
+  else
+    std::cout << loaded.trajectory.size() << " poses -> " << options.output << "\n";
+}
+
+void run(const Options& options) {
+  namespace fs = std::filesystem;
+  if (!fs::exists(options.input)) throw std::runtime_error(options.input + ": no such file or directory");
+  if (options.info) return show_info(options);
+  if (fs::is_directory(options.input)) return convert_directory(options);
+  const fs::path extension = fs::path(options.output).extension();
+  const bool to_trajectory = extension == ".tum" || extension == ".kitti" || extension == ".txt";
+  if (is_log(options.input)) return to_trajectory ? convert_trajectory(options) : convert_log_scans(options);
+  if (!to_trajectory)
+    throw std::runtime_error(options.output + ": name a trajectory .tum, .kitti or .txt (" + options.input +
+                             " is neither a directory nor an LCM log)");
+  convert_trajectory(options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  const int exit_code = usage(argc, argv, options);
+  if (exit_code >= 0) return exit_code;
+  try {
+    run(options);
+  } catch (const std::exception& error) {
+    std::cerr << "scanlock-convert: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,147 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+// Trajectory errors as numbers and as a picture.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "evaluation/report.hpp"
+#include "io/file_bytes.hpp"
+#include "io/trajectory_source.hpp"
+
+namespace {
+
+using namespace scanlock;
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string estimate, reference, picture, html;
+  std::string align = "none";
+  double tolerance_s = kDefaultTimeTolerance;
+  bool json = false;
+};
+
+constexpr const char* kFooter =
+    R"(ESTIMATE and REFERENCE: a TUM file (time x y z qx qy qz qw), a KITTI file (12 numbers a line), LOG:CHANNEL, or an
+LCM log alone for its channel POSE_BODY_CORRECTED.
+
+Poses are matched by time: each estimate with the reference nearest to it, not farther than --tolerance.
+Where either side is a KITTI file, which has no times, the n-th pose is matched with the n-th.
+
+--align none   compares the trajectories as they stand: both must be given in the same frame
+--align yaw    lays the estimate over the reference by translation and rotation about z
+--align se3    by the best rigid motion (Umeyama without scale), as evo -a does
+
+RPE: from each pose to the first one at least so far along the reference's way; mean over all, percent and deg/m.
+KITTI: stretches of 100 to 800 m from every tenth pose, as the development kit averages them.)";
+
+int usage(int argc, char** argv, Options& options) {
+  CLI::App app{"Trajectory errors as numbers and as a picture."};
+  app.footer(kFooter);
+  app.set_version_flag("-V,--version", std::string("scanlock-evaluate ") + SCANLOCK_VERSION);
+  app.add_option("ESTIMATE", options.estimate, "the trajectory to judge")->required();
+  app.add_option("REFERENCE", options.reference, "the trajectory to judge it by")->required();
+  app.add_option("--align", options.align, "how the estimate is laid over the reference (default: none)")
+      ->check(CLI::IsMember({"none", "yaw", "se3"}));
+  app.add_option("--tolerance", options.tolerance_s,
+                 "seconds between two poses of one instant (default: 0.01)")
+      ->check(CLI::PositiveNumber.description(""));
+  app.add_option("--picture", options.picture, "write an SVG picture here");
+  app.add_option("--html", options.html, "write a page with the picture and the numbers here");
+  app.add_flag("--json", options.json, "print one JSON object");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return -1;
+}
+
+LoadedTrajectory load(const std::string& source) {
+  LoadedTrajectory loaded = load_trajectory(source);
+  if (!loaded.warning.empty()) std::cerr << "scanlock-evaluate: " << source << ": " << loaded.warning << "\n";
+  return loaded;
+}
+
+Overlay overlay_of(const Options& options) {
+  if (options.align == "none") return Overlay::kNone;
+  return options.align == "yaw" ? Overlay::kYaw : Overlay::kSe3;
+}
+
+PosePairs match(const LoadedTrajectory& estimate, const LoadedTrajectory& reference, const Options& options) {
+  if (estimate.has_times && reference.has_times) {
+    PosePairs pairs = match_by_time(estimate.trajectory, reference.trajectory, options.tolerance_s);
+    if (!pairs.empty()) return pairs;
+    throw std::runtime_error(options.estimate + ": none of its poses (the first at " +
+                             std::to_string(estimate.trajectory.front().time_s) + " s) lies within " +
+                             std::to_string(options.tolerance_s) + " s of a pose of " + options.reference +
+                             " (the first at " + std::to_string(reference.trajectory.front().time_s) +
+                             " s); do they share a clock?");
+  }
+  const bool same_size = estimate.trajectory.size() == reference.trajectory.size();
+  if (!same_size && estimate.has_times != reference.has_times)
+    throw std::runtime_error(options.estimate + " and " + options.reference + ": one has no times, and " +
+                             std::to_string(estimate.trajectory.size()) + " poses cannot be matched with " +
+                             std::to_string(reference.trajectory.size()) + " by number; use TUM files");
+  if (!same_size)
+    std::cerr << "scanlock-evaluate: " << estimate.trajectory.size() << " poses against "
+              << reference.trajectory.size() << "; matched by number from the first on\n";
+  return match_by_number(estimate.trajectory, reference.trajectory);
+}
+
+Json relative_json(const std::optional<RelativeError>& error) {
+  if (!error) return {{"percent", nullptr}, {"deg_per_m", nullptr}};
+  return {{"percent", error->percent}, {"deg_per_m", error->deg_per_m}};
+}
+
+Json result_json(const Evaluation& e) {
+  return {{"poses", e.poses},
+          {"matched", e.matched},
+          {"length_m", e.length_m},
+          {"ate_m", {{"rmse", e.ate_m.rmse}, {"median", e.ate_m.median}, {"max", e.ate_m.max}}},
+          {"rpe",
+           {{"1m", relative_json(e.rpe[0])},
+            {"10m", relative_json(e.rpe[1])},
+            {"100m", relative_json(e.rpe[2])}}},
+          {"kitti", relative_json(e.kitti)},
+          {"recovery_s", Json::array()}};
+}
+
+void run(const Options& options) {
+  const LoadedTrajectory estimate = load(options.estimate), reference = load(options.reference);
+  Comparison comparison{estimate.name, reference.name, estimate.trajectory, reference.trajectory, {}, {}};
+  comparison.pairs = match(estimate, reference, options);
+  comparison.evaluation = evaluate(comparison.pairs, estimate.trajectory.size(), overlay_of(options));
+  const PosePair& first = comparison.pairs.front();
+  const double apart = (first.estimate.translation() - first.reference.translation()).norm();
+  if (overlay_of(options) == Overlay::kNone && apart > 1)
+    std::cerr << "scanlock-evaluate: the trajectories begin " << apart
+              << " m apart; if they are given in two frames, use --align se3 (or yaw)\n";
+  if (!options.picture.empty()) write_file_bytes(options.picture, trajectory_svg(comparison));
+  if (!options.html.empty()) write_file_bytes(options.html, trajectory_html(comparison));
+  if (options.json) {
+    std::cout << result_json(comparison.evaluation).dump() << "\n";
+    return;
+  }
+  for (const auto& [what, value] : result_rows(comparison.evaluation))
+    std::printf("%-20s %s\n", what.c_str(), value.c_str());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  const int exit_code = usage(argc, argv, options);
+  if (exit_code >= 0) return exit_code;
+  try {
+    run(options);
+  } catch (const std::exception& error) {
+    std::cerr << "scanlock-evaluate: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,178 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include <signal.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <future>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "daemon/config.hpp"
+#include "daemon/daemon.hpp"
+#include "daemon/doctor.hpp"
+#include "daemon/lcm_url.hpp"
+#include "daemon/log.hpp"
+
+namespace {
+
+using namespace scanlock;
+
+struct Options {
+  std::string config_path, url, out_url, pose_channel;
+  std::vector<std::string> scan_channels;
+  int threads = 0;
+  bool check = false, print = false, json = false;
+};
+
+/// Turns SIGINT and SIGTERM into the stop signal. They are blocked in every thread, so that no system call of
+/// LCM is ever interrupted, and waited for in one.
+class SignalThread {
+ public:
+  explicit SignalThread(StopSignal& stop) : stop_(stop) {
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+    signal_fd_ = signalfd(-1, &signals, SFD_CLOEXEC);
+    thread_ = std::thread([this] { wait(); });
+  }
+  ~SignalThread() {
+    ended_.request();
+    thread_.join();
+    close(signal_fd_);
+  }
+  SignalThread(const SignalThread&) = delete;
+  SignalThread& operator=(const SignalThread&) = delete;
+
+ private:
+  void wait() {
+    if (ended_.wait_for_input(signal_fd_, std::chrono::hours(24 * 365)) != StopSignal::Event::kInput) return;
+    stop_.request();
+    // A clean end takes one scan. Whatever holds it up (a peer that does not read, a scan of a second), a
+    // robot that shuts down does not wait for it.
+    if (ended_.wait_for(std::chrono::milliseconds(900))) return;
+    log_line(LogLevel::kWarning, "ended without waiting for the scan at hand");
+    std::_Exit(0);
+  }
+
+  StopSignal& stop_;
+  StopSignal ended_;
+  int signal_fd_ = -1;
+  std::thread thread_;
+};
+
+Config configured(const Options& options) {
+  Config config = options.config_path.empty() ? Config{} : load_config(options.config_path);
+  if (!options.url.empty()) config.daemon.url = options.url;
+  if (!options.out_url.empty()) config.daemon.out_url = options.out_url;
+  if (!options.scan_channels.empty()) config.daemon.scan_channels = options.scan_channels;
+  if (!options.pose_channel.empty()) config.daemon.pose_channel = options.pose_channel;
+  if (options.threads != 0) config.tracker.threads = options.threads;
+  check_config(config);
+  return config;
+}
+
+nlohmann::json to_json(const DoctorReport& report) {
+  const char* const kGrades[] = {"ok", "note", "fault"};
+  nlohmann::json json = {{"ok", report.good()},
+                         {"url", report.url},
+                         {"recv_buf_wanted", report.recv_buf_wanted},
+                         {"recv_buf_granted", report.recv_buf_granted},
+                         {"rmem_max", report.rmem_max},
+                         {"echo", {{"sent", report.echoes_sent}, {"received", report.echoes_received}}},
+                         {"kernel_drops", report.kernel_drops},
+                         {"listened_s", report.listened_s},
+                         {"findings", nlohmann::json::array()},
+                         {"heard", nlohmann::json::array()}};
+  for (const auto& finding : report.findings) {
+    json["findings"].push_back({{"name", finding.name},
+                                {"grade", kGrades[static_cast<int>(finding.grade)]},
+                                {"detail", finding.detail},
+                                {"remedy", finding.remedy}});
+  }
+  for (const auto& heard : report.heard) {
+    json["heard"].push_back({{"channel", heard.name},
+                             {"type", heard.type},
+                             {"messages", heard.messages},
+                             {"largest_bytes", heard.largest_bytes}});
+  }
+  return json;
+}
+
+int check(const Config& config, bool json) {
+  if (isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "looking and listening for three seconds ...\n");
+  const DoctorReport report = examine(config.daemon);
+  if (json) {
+    std::cout << to_json(report).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+  } else {
+    std::cout << print_report(report);
+  }
+  return report.good() ? 0 : 1;
+}
+
+int serve(const Config& config) {
+  signal(SIGPIPE, SIG_IGN);  // a TCP peer that went away is an error of one publish, not the end
+  StopSignal stop;
+  const SignalThread signals(stop);
+  std::string channels;
+  for (const auto& channel : config.daemon.scan_channels) channels += " " + channel;
+  log_line(LogLevel::kInfo, std::string("version ") + SCANLOCK_VERSION + ": scans from" + channels + " at " +
+                                input_url(config.daemon) + ", poses on " + config.daemon.pose_channel +
+                                " at " + output_url(config.daemon));
+  Daemon daemon(config, SCANLOCK_VERSION);
+  daemon.run(stop);
+  const Counters counters = daemon.report().counters;
+  log_line(LogLevel::kInfo, "ended: " + std::to_string(counters.received) + " scans received, " +
+                                std::to_string(counters.used) + " used, " +
+                                std::to_string(counters.replaced) + " replaced by fresher ones, " +
+                                std::to_string(counters.rejected()) + " rejected, " +
+                                std::to_string(counters.without_time) + " without a time, " +
+                                std::to_string(counters.kernel_drops) + " datagrams dropped by the kernel");
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"LiDAR odometry on LCM: scans in, poses out."};
+  app.set_version_flag("-V,--version", std::string("scanlockd ") + SCANLOCK_VERSION);
+  app.add_option("-c,--config", options.config_path, "configuration (TOML); --print-config shows all keys");
+  app.add_option("-l,--lcm-url", options.url,
+                 "LCM URL of the scans; default: LCM_DEFAULT_URL, else " + std::string(kDefaultUrl));
+  app.add_option("--out-url", options.out_url, "LCM URL of what is published; default: that of the scans");
+  app.add_option("--scan-channel", options.scan_channels,
+                 "channel that carries scans, may be repeated; default: LIDAR")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--pose-channel", options.pose_channel,
+                 "channel of bot_core.pose_t; default: POSE_BODY_CORRECTED");
+  app.add_option("--threads", options.threads, "threads of one alignment; the result does not depend on it")
+      ->check(CLI::Range(1, 256));
+  app.add_flag("--check", options.check,
+               "the doctor: would scans arrive here? exit 1 when some would be lost");
+  app.add_flag("--print-config", options.print, "print the configuration as it stands, explained, and exit");
+  app.add_flag("--json", options.json, "with --check: one JSON object on standard output");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    const Config config = configured(options);
+    if (options.print) {
+      std::cout << print_config(config) << std::flush;
+      return std::cout ? 0 : 1;
+    }
+    return options.check ? check(config, options.json) : serve(config);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "scanlockd: %s\n", error.what());
+    return 1;
+  }
+}
