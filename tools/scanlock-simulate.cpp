@@ -47,8 +47,7 @@ void declare(CLI::App& app, Options& options) {
          "blackout@T+D "
          "(scans empty or of at most 20 points), shake@T+D (strong rotations), halfview@T+D (nothing seen to "
          "the left), dropout@T+D (scans missing altogether)")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->allow_extra_args(false);  // one event each: the word that follows may be the log
   app.add_option("--speed", options.config.speed_mps, "Cruising speed in m/s instead of the world's own");
   app.add_option("--noise", options.noise,
                  "Standard deviation of ranges in metres instead of the sensor's own")

@@ -20,9 +20,12 @@ inline double march_to_ground(const Terrain& terrain, const Ray& ray, double max
     return p.x() >= terrain.low().x() && p.x() <= terrain.high().x() && p.y() >= terrain.low().y() &&
            p.y() <= terrain.high().y();
   };
-  constexpr double kStep = 0.01;
+  constexpr double kStep = 0.02;
+  double height = above(0);
   for (double range = 0; range < max_range; range += kStep) {
-    if (!inside(range + kStep) || above(range) * above(range + kStep) > 0) continue;
+    const double before = height;
+    height = above(range + kStep);
+    if (!inside(range + kStep) || before * height > 0) continue;
     double near = range, far = range + kStep;
     for (int i = 0; i < 40; ++i) (above(near) * above((near + far) / 2) > 0 ? near : far) = (near + far) / 2;
     return far;

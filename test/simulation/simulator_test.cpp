@@ -67,7 +67,7 @@ SimulatedScan fastest_turn(Simulator& simulator) {
 
 TEST_CASE("simulator - the true motion puts the points of a turning scan on the surfaces") {
   for (const bool stamp_at_end : {false, true}) {
-    SimulationConfig config = config_of(WorldKind::kIndoor, LidarKind::kVlp16, 30);
+    SimulationConfig config = config_of(WorldKind::kIndoor, LidarKind::kVlp16, 14);
     config.noise_m = 0;
     config.stamp_at_end = stamp_at_end;
     config.threads = 2;
@@ -154,7 +154,7 @@ TEST_CASE("simulator - every lidar in every world sees something, finite and wit
 }
 
 TEST_CASE("simulator - without distortion every point is taken at the stamp") {
-  SimulationConfig config = config_of(WorldKind::kIndoor, LidarKind::kVlp16, 20);
+  SimulationConfig config = config_of(WorldKind::kIndoor, LidarKind::kVlp16, 10);
   config.noise_m = 0;
   config.motion_distortion = false;
   Simulator simulator(config);
