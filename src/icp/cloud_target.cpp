@@ -1,0 +1,125 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "icp/cloud_target.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "geometry/parallel.hpp"
+#include "icp/local_surfaces.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr std::size_t kChunk = 256;
+// Scales are medians; so many points spread over the cloud give them to about two percent.
+constexpr std::size_t kScaleSamples = 4096;
+constexpr int kScaleNeighbours = 6;
+// A nu below these shares of the scene or of its sampling only follows float rounding.
+constexpr double kLeastNuOfDiagonal = 1e-6;
+constexpr double kLeastNuOfSpacing = 0.01;
+
+float median(std::vector<float>* values) {
+  if (values->empty()) return 0;
+  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
+  std::nth_element(values->begin(), middle, values->end());
+  return *middle;
+}
+
+bool normalise_own_normal(PointCloud* cloud, std::size_t i) {
+  const Eigen::Vector3f n = cloud->normal(i);
+  const float length = n.norm();
+  if (!(length > 1e-6f && length < 1e6f)) return false;
+  cloud->nx[i] = n.x() / length;
+  cloud->ny[i] = n.y() / length;
+  cloud->nz[i] = n.z() / length;
+  return true;
+}
+
+}  // namespace
+
+void estimate_normals(PointCloud* cloud, const KdForest& tree, int neighbours, int threads,
+                      const Eigen::Vector3f* viewpoint) {
+  const std::size_t n = cloud->size();
+  for (std::vector<float>* values : {&cloud->nx, &cloud->ny, &cloud->nz}) values->resize(n, 0.0f);
+  for_each_chunk(n, kChunk, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbour> found(static_cast<std::size_t>(neighbours));
+    for (std::size_t i = begin; i < end; ++i) {
+      if (normalise_own_normal(cloud, i)) continue;
+      const int count = tree.k_nearest(cloud->point(i), neighbours, found.data());
+      const Surface surface = fit_surface(*cloud, found.data(), count);
+      Eigen::Vector3f normal = surface.weight > 0 ? surface.normal : Eigen::Vector3f(0, 0, 0);
+      if (viewpoint && normal.dot(*viewpoint - cloud->point(i)) < 0) normal = -normal;
+      cloud->nx[i] = normal.x();
+      cloud->ny[i] = normal.y();
+      cloud->nz[i] = normal.z();
+    }
+  });
+}
+
+CentredCloud centred(const PointCloud& cloud) {
+  CentredCloud result;
+  Eigen::Array3d low = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  std::size_t finite = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!cloud.point(i).allFinite()) continue;
+    ++finite;
+    low = low.min(cloud.point(i).cast<double>().array());
+    high = high.max(cloud.point(i).cast<double>().array());
+  }
+  if (finite == 0) return result;
+  result.centre = 0.5 * (low + high);
+  result.diagonal = (high - low).matrix().norm();
+  PointCloud& points = result.points;
+  points.reserve(finite);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!cloud.point(i).allFinite()) continue;
+    points.push_back(Eigen::Vector3f((cloud.point(i).cast<double>() - result.centre).cast<float>()));
+    if (!cloud.has_normals()) continue;
+    points.nx.push_back(cloud.nx[i]);
+    points.ny.push_back(cloud.ny[i]);
+    points.nz.push_back(cloud.nz[i]);
+  }
+  return result;
+}
+
+CloudTarget::CloudTarget(const PointCloud& cloud, bool with_normals, int threads) : cloud_(centred(cloud)) {
+  PointCloud& points = cloud_.points;
+  if (points.size() < 3) {
+    throw std::invalid_argument("the target has " + std::to_string(points.size()) +
+                                " finite points; an alignment takes at least 3");
+  }
+  tree_.rebuild(points);
+  if (with_normals) estimate_normals(&points, tree_, kNormalNeighbours, threads);
+
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / kScaleSamples);
+  const std::size_t samples = (points.size() + stride - 1) / stride;
+  std::vector<float> spacings(samples), heights(samples);
+  for_each_chunk(samples, kChunk, threads, [&](std::size_t begin, std::size_t end) {
+    Neighbour found[kScaleNeighbours + 1];
+    for (std::size_t s = begin; s < end; ++s) {
+      const Eigen::Vector3f p = points.point(s * stride);
+      const int count = tree_.k_nearest(p, kScaleNeighbours + 1, found);  // the first is the point itself
+      std::vector<float> distances, offsets;
+      for (int k = 1; k < count; ++k) {
+        distances.push_back(std::sqrt(found[k].squared_distance));
+        if (!with_normals) continue;
+        const Eigen::Vector3f q = points.point(static_cast<std::size_t>(found[k].index));
+        offsets.push_back(std::abs(points.normal(s * stride).dot(q - p)));
+      }
+      spacings[s] = median(&distances);
+      heights[s] = median(&offsets);
+    }
+  });
+  spacing_ = median(&spacings);
+  const double least = std::max(kLeastNuOfDiagonal * cloud_.diagonal, 1e-12);
+  point_nu_min_ = std::max(spacing_ / (3.0 * std::sqrt(3.0)), least);
+  plane_nu_min_ =
+      std::max({static_cast<double>(median(&heights)) / 6.0, least, kLeastNuOfSpacing * spacing_});
+}
+
+}  // namespace scanlock
