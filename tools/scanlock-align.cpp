@@ -18,6 +18,7 @@
 #include "evaluation/alignment_picture.hpp"
 #include "geometry/voxel_grid.hpp"
 #include "icp/cloud_alignment.hpp"
+#include "icp/cloud_thinning.hpp"
 #include "io/cloud_file.hpp"
 #include "io/file_bytes.hpp"
 
@@ -175,10 +176,11 @@ Json axis_names(std::uint32_t axes) {
 }
 
 Json result_json(const Options& options, const CloudAlignment& result, std::size_t source, std::size_t target,
-                 const Milliseconds& ms) {
+                 double voxel, const Milliseconds& ms) {
   return {{"method", options.method},
           {"transform", row_major(result.target_from_source.matrix())},
           {"points", {source, target}},
+          {"voxel", voxel},
           {"iterations", result.iterations},
           {"sweeps", result.sweeps},
           {"stop_reason", result.stop_reason},
@@ -238,13 +240,16 @@ void run(const Options& options) {
   const PointCloud source_file = read_cloud(options.source), target_file = read_cloud(options.target);
   const Pose start = options.init.empty() ? Pose::Identity() : read_transform(options.init);
   ms.read = watch.lap();
-  const double voxel = options.voxel >= 0 ? options.voxel : 0.0;
+  const double voxel = options.voxel >= 0 ? options.voxel : sensible_voxel(target_file);
   const PointCloud source = thinned(source_file, voxel), target_cloud = thinned(target_file, voxel);
   const CloudTarget target = make_target(options, target_cloud, method.needs_normals());
   ms.index = watch.lap();
   CloudAlignmentOptions alignment;
   alignment.nu_max = options.nu_max;
   alignment.nu_min = options.nu_min;
+  // The normals of a thinned cloud are good to its spacing; the paper's rule for planes asks more of them.
+  if (voxel > 0 && !(options.nu_min > 0))
+    alignment.nu_min = std::max(target.point_nu_min(), target.plane_nu_min());
   alignment.thorough = options.thorough;
   alignment.threads = options.threads;
   CloudAlignment result;
@@ -255,7 +260,7 @@ void run(const Options& options) {
   }
   ms.solve = watch.lap();
   ms.total = whole.lap();
-  Json json = result_json(options, result, source.size(), target_cloud.size(), ms);
+  Json json = result_json(options, result, source.size(), target_cloud.size(), voxel, ms);
   if (!options.truth.empty())
     add_truth(source_file, result.target_from_source, read_transform(options.truth), &json);
   if (!options.output.empty()) write_cloud(options.output, moved(source_file, result.target_from_source));

@@ -18,13 +18,25 @@ namespace {
 constexpr double kNuMaxOfMedian = 3.0;  // section 4.3
 constexpr double kNuFactor = 0.5;
 constexpr double kTolerance = 1e-5;  // of the diagonal
-constexpr double kToleranceOfNu = 0.01;
-constexpr double kUpperTolerance = 0.05;    // of nu, at levels above the last
-constexpr std::size_t kUpperPoints = 4096;  // of the source at levels above the last
+constexpr std::size_t kApproachPoints = 2048;
+constexpr double kApproachTolerance = 0.05;  // of nu
+constexpr double kApproachEnd = 2.0;         // spacings
 constexpr std::size_t kMedianPoints = 2048;
 constexpr double kInlierSpacings = 2.0;
-constexpr double kGateMargin = 2.0;  // spacings, on top of the reach of nu, for distances within planes
+constexpr double kGateMargin = 2.0;   // spacings, on top of the reach of nu, for distances within planes
+constexpr double kFirstGate = 6.0;    // median distances at the start
+constexpr double kHonestPairs = 3.0;  // median distances of the pairs
 constexpr double kFewInliers = 0.02;
+
+/// How far a level is driven; tolerances are shares of its nu. Distances to points creep: stopped early, they
+/// have not arrived. Distances to planes jump there.
+struct Effort {
+  double last_tolerance, upper_tolerance;
+  double upper_share;  ///< of the points that halving at each level would give
+  std::size_t least_points;
+};
+constexpr Effort kPointEffort = {0.001, 0.01, 1.0, 2048};
+constexpr Effort kPlaneEffort = {0.1, 0.1, 0.5, 1024};
 
 /// Points in an order that keeps neighbours together, so that the tree stays in cache.
 PointCloud in_morton_order(const PointCloud& points, double diagonal) {
@@ -49,10 +61,11 @@ PointCloud thinned(const PointCloud& points, std::size_t count) {
   return select(points, indices);
 }
 
-double median_residual(const CloudProblem& problem) {
+/// Of the absolute values of those that are not NaN.
+double median(const std::vector<float>& numbers) {
   std::vector<float> values;
-  for (float r : problem.residuals()) {
-    if (!std::isnan(r)) values.push_back(std::abs(r));
+  for (float v : numbers) {
+    if (!std::isnan(v)) values.push_back(std::abs(v));
   }
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -78,6 +91,7 @@ class CloudAligner {
     }
     source_.points = in_morton_order(source_.points, source_.diagonal);
     setup_ = {method.objective, method.coordinates, method.robust, options.threads};
+    effort_ = method.objective == IcpObjective::kPoint ? kPointEffort : kPlaneEffort;
     tolerance_ = options.tolerance > 0 ? options.tolerance : kTolerance * target.diagonal();
   }
 
@@ -100,9 +114,13 @@ class CloudAligner {
     return pose.translation().norm() + source_.diagonal + target_.diagonal() + 1e-6;
   }
 
+  /// Pairs farther apart do not count at a level. For distances to points that changes nothing: their weight
+  /// is below rounding there. A plane reaches farther than the surface it stands for, so a point far away can
+  /// lie on it by chance (the authors' code lets it, and slides along some scenes); the gate closes as nu
+  /// does.
   double gate(double nu) const {
     if (method_.objective == IcpObjective::kPoint) return kWelschReach * nu;
-    return 3.0 * nu + kGateMargin * target_.spacing();
+    return std::max(first_gate_ * nu / result_.nu_max, 3.0 * nu + kGateMargin * target_.spacing());
   }
 
   void account(const DescentResult& level) {
@@ -124,23 +142,44 @@ class CloudAligner {
     return problem.pose();
   }
 
+  /// Distances to planes have a narrow basin: from far away they settle on a wrong alignment where distances
+  /// to points still find the right one. So these go first, over few points and down to a nu where planes
+  /// take over.
+  Pose approach(Pose pose) {
+    const PointCloud some = thinned(source_.points, kApproachPoints);
+    CloudProblem::Setup setup = setup_;
+    setup.objective = IcpObjective::kPoint;
+    CloudProblem problem(some, target_, setup);
+    problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
+    double nu = kNuMaxOfMedian * median(problem.residuals());
+    DescentOptions descent;
+    descent.max_iterations = 100;
+    descent.max_line_search_steps = 0;
+    for (; nu > kApproachEnd * target_.spacing(); nu *= kNuFactor) {
+      descent.tolerance = kApproachTolerance * nu;
+      account(descend(problem, problem.begin(pose, nu, kWelschReach * nu), descent));
+      pose = problem.pose();
+    }
+    count_searches(problem);
+    return pose;
+  }
+
   Pose solve_robust(Pose pose) {
+    if (method_.objective != IcpObjective::kPoint && !options_.thorough) pose = approach(pose);
     choose_nu(pose);
     DescentOptions descent;
     descent.anderson_window = method_.accelerated ? AndersonAcceleration::kMaxWindow : 0;
     descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 100;
     descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : 6;
-    const double last_tolerance = std::min(tolerance_, kToleranceOfNu * result_.nu_min);
+    const double last_tolerance = std::min(tolerance_, effort_.last_tolerance * result_.nu_min);
     double nu = result_.nu_max;
-    if (nu > result_.nu_min) {
-      const PointCloud some = options_.thorough ? source_.points : thinned(source_.points, kUpperPoints);
+    for (; nu > result_.nu_min; nu *= kNuFactor) {
+      const PointCloud some = options_.thorough ? source_.points : thinned(source_.points, points_for(nu));
       CloudProblem upper(some, target_, setup_);
-      for (; nu > result_.nu_min; nu *= kNuFactor) {
-        descent.tolerance =
-            options_.thorough ? last_tolerance : std::max(last_tolerance, kUpperTolerance * nu);
-        account(descend(upper, upper.begin(pose, nu, gate(nu)), descent));
-        pose = upper.pose();
-      }
+      descent.tolerance =
+          options_.thorough ? last_tolerance : std::max(last_tolerance, effort_.upper_tolerance * nu);
+      account(descend(upper, upper.begin(pose, nu, gate(nu)), descent));
+      pose = upper.pose();
       count_searches(upper);
     }
     CloudProblem problem(source_.points, target_, setup_);
@@ -148,6 +187,14 @@ class CloudAligner {
     account(descend(problem, problem.begin(pose, result_.nu_min, gate(result_.nu_min)), descent));
     finish(problem);
     return problem.pose();
+  }
+
+  /// The upper levels only have to bring the lower ones into their basin: each gets half as many points as
+  /// the next.
+  std::size_t points_for(double nu) const {
+    const double points =
+        effort_.upper_share * static_cast<double>(source_.points.size()) * result_.nu_min / nu;
+    return std::max(effort_.least_points, static_cast<std::size_t>(points));
   }
 
   void choose_nu(const Pose& pose) {
@@ -160,7 +207,8 @@ class CloudAligner {
       const PointCloud some = thinned(source_.points, kMedianPoints);
       CloudProblem problem(some, target_, setup_);
       problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
-      result_.nu_max = kNuMaxOfMedian * median_residual(problem);
+      first_gate_ = kFirstGate * std::sqrt(median(problem.squared_distances()));
+      result_.nu_max = kNuMaxOfMedian * median(problem.residuals());
       count_searches(problem);
     }
     result_.nu_max = std::max(result_.nu_max, result_.nu_min);
@@ -179,8 +227,10 @@ class CloudAligner {
     const auto inliers =
         std::count_if(squared.begin(), squared.end(), [&](float d) { return d <= gate * gate; });
     result_.inlier_ratio = static_cast<double>(inliers) / static_cast<double>(source_.points.size());
+    // Rings and rows make the spacing much smaller than the distance of honest pairs: those are asked, too.
+    const double honest = std::max(gate, kHonestPairs * std::sqrt(static_cast<double>(median(squared))));
     const AlignmentCertainty certainty =
-        alignment_certainty(source_.points, target_, problem, gate, source_.centre);
+        alignment_certainty(source_.points, target_, problem, honest, source_.centre);
     result_.covariance = certainty.covariance;
     result_.degenerate_axes = certainty.degeneracy.axes;
     if (result_.degenerate_axes != 0 || result_.inlier_ratio < kFewInliers)
@@ -192,7 +242,9 @@ class CloudAligner {
   CloudAlignmentOptions options_;
   CentredCloud source_;
   CloudProblem::Setup setup_;
+  Effort effort_ = kPointEffort;
   double tolerance_ = 0;
+  double first_gate_ = 0;
   CloudAlignment result_;
 };
 
