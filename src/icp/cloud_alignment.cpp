@@ -18,7 +18,7 @@ namespace {
 constexpr double kNuMaxOfMedian = 3.0;  // section 4.3
 constexpr double kNuFactor = 0.5;
 constexpr double kTolerance = 1e-5;  // of the diagonal
-constexpr std::size_t kApproachPoints = 2048;
+constexpr std::size_t kApproachPoints = 1024;
 constexpr double kApproachTolerance = 0.05;  // of nu
 constexpr double kApproachEnd = 2.0;         // spacings
 constexpr std::size_t kMedianPoints = 2048;
@@ -36,7 +36,7 @@ struct Effort {
   std::size_t least_points;
 };
 constexpr Effort kPointEffort = {0.001, 0.01, 1.0, 2048};
-constexpr Effort kPlaneEffort = {0.1, 0.1, 0.5, 1024};
+constexpr Effort kPlaneEffort = {0.1, 0.1, 1.0, 1024};
 
 /// Points in an order that keeps neighbours together, so that the tree stays in cache.
 PointCloud in_morton_order(const PointCloud& points, double diagonal) {

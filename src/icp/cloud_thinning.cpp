@@ -12,8 +12,8 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kFew = 20000, kLeast = 7000, kMost = 14000;  // points
-constexpr double kVoxelOfRadius = 0.03;                            // the first guess
+constexpr std::size_t kFew = 20000, kLeast = 5000, kMost = 24000;  // points
+constexpr double kVoxelOfRadius = 0.042;                           // the first guess
 constexpr double kStep = 1.4142135623730951;
 constexpr int kRounds = 12;
 
