@@ -225,11 +225,11 @@ PointCloud thinned(const PointCloud& cloud, double voxel) {
   return voxel > 0 ? select(cloud, thin_by_voxel(cloud, static_cast<float>(voxel))) : cloud;
 }
 
-CloudTarget make_target(const Options& options, const PointCloud& cloud, bool normals) {
+CloudTarget make_target(const Options& options, const PointCloud& cloud) {
   try {
-    return CloudTarget(cloud, normals, options.threads);
+    return CloudTarget(cloud, options.threads);
   } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(options.target + ": " + error.what() + " (finite, and after --voxel)");
+    throw std::runtime_error(options.target + ": " + error.what());
   }
 }
 
@@ -242,8 +242,10 @@ void run(const Options& options) {
   ms.read = watch.lap();
   const double voxel = options.voxel >= 0 ? options.voxel : sensible_voxel(target_file);
   const PointCloud source = thinned(source_file, voxel), target_cloud = thinned(target_file, voxel);
-  const CloudTarget target = make_target(options, target_cloud, method.needs_normals());
+  CloudTarget target = make_target(options, target_cloud);
   ms.index = watch.lap();
+  if (method.needs_normals()) target.prepare_normals(options.threads);
+  ms.normals = watch.lap();
   CloudAlignmentOptions alignment;
   alignment.nu_max = options.nu_max;
   alignment.nu_min = options.nu_min;

@@ -79,11 +79,11 @@ class CloudAligner {
                const CloudAlignmentOptions& options)
       : target_(target), method_(method), options_(options), source_(centred(source)) {
     if (source_.points.size() < 3) {
-      throw std::invalid_argument("the source has " + std::to_string(source_.points.size()) +
+      throw std::invalid_argument(std::to_string(source_.points.size()) +
                                   " finite points; an alignment takes at least 3");
     }
-    if (method.needs_normals() && !target.points().has_normals())
-      throw std::invalid_argument("this method takes a target with normals");
+    if (method.needs_normals() && !target.normals_ready())
+      throw std::invalid_argument("this method takes a target whose normals are prepared");
     if (method.objective == IcpObjective::kSymmetric) {
       KdForest tree;
       tree.rebuild(source_.points);
@@ -229,8 +229,10 @@ class CloudAligner {
     result_.inlier_ratio = static_cast<double>(inliers) / static_cast<double>(source_.points.size());
     // Rings and rows make the spacing much smaller than the distance of honest pairs: those are asked, too.
     const double honest = std::max(gate, kHonestPairs * std::sqrt(static_cast<double>(median(squared))));
+    // Distances to points use planes less well than distances to planes: as if nu were below the noise.
+    const double planes_nu = method_.robust ? result_.nu_min : 0.0;
     const AlignmentCertainty certainty =
-        alignment_certainty(source_.points, target_, problem, honest, source_.centre);
+        alignment_certainty(source_.points, target_, problem, honest, planes_nu, source_.centre);
     result_.covariance = certainty.covariance;
     result_.degenerate_axes = certainty.degeneracy.axes;
     if (result_.degenerate_axes != 0 || result_.inlier_ratio < kFewInliers)

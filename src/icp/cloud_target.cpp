@@ -40,6 +40,26 @@ bool normalise_own_normal(PointCloud* cloud, std::size_t i) {
   return true;
 }
 
+/// Median over the points of the median over six neighbours of distance(point, neighbour).
+template <typename Distance>
+double median_over_points(const PointCloud& points, const KdForest& tree, int threads,
+                          const Distance& distance) {
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / kScaleSamples);
+  std::vector<float> medians((points.size() + stride - 1) / stride);
+  for_each_chunk(medians.size(), kChunk, threads, [&](std::size_t begin, std::size_t end) {
+    Neighbour found[kScaleNeighbours + 1];
+    std::vector<float> distances;
+    for (std::size_t s = begin; s < end; ++s) {
+      const int count = tree.k_nearest(points.point(s * stride), kScaleNeighbours + 1, found);
+      distances.clear();
+      for (int k = 1; k < count; ++k)  // the first is the point itself
+        distances.push_back(distance(s * stride, static_cast<std::size_t>(found[k].index)));
+      medians[s] = median(&distances);
+    }
+  });
+  return static_cast<double>(median(&medians));
+}
+
 }  // namespace
 
 void estimate_normals(PointCloud* cloud, const KdForest& tree, int neighbours, int threads,
@@ -87,39 +107,33 @@ CentredCloud centred(const PointCloud& cloud) {
   return result;
 }
 
-CloudTarget::CloudTarget(const PointCloud& cloud, bool with_normals, int threads) : cloud_(centred(cloud)) {
-  PointCloud& points = cloud_.points;
+CloudTarget::CloudTarget(const PointCloud& cloud, int threads) : cloud_(centred(cloud)) {
+  const PointCloud& points = cloud_.points;
   if (points.size() < 3) {
-    throw std::invalid_argument("the target has " + std::to_string(points.size()) +
+    throw std::invalid_argument(std::to_string(points.size()) +
                                 " finite points; an alignment takes at least 3");
   }
   tree_.rebuild(points);
-  if (with_normals) estimate_normals(&points, tree_, kNormalNeighbours, threads);
-
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / kScaleSamples);
-  const std::size_t samples = (points.size() + stride - 1) / stride;
-  std::vector<float> spacings(samples), heights(samples);
-  for_each_chunk(samples, kChunk, threads, [&](std::size_t begin, std::size_t end) {
-    Neighbour found[kScaleNeighbours + 1];
-    for (std::size_t s = begin; s < end; ++s) {
-      const Eigen::Vector3f p = points.point(s * stride);
-      const int count = tree_.k_nearest(p, kScaleNeighbours + 1, found);  // the first is the point itself
-      std::vector<float> distances, offsets;
-      for (int k = 1; k < count; ++k) {
-        distances.push_back(std::sqrt(found[k].squared_distance));
-        if (!with_normals) continue;
-        const Eigen::Vector3f q = points.point(static_cast<std::size_t>(found[k].index));
-        offsets.push_back(std::abs(points.normal(s * stride).dot(q - p)));
-      }
-      spacings[s] = median(&distances);
-      heights[s] = median(&offsets);
-    }
+  spacing_ = median_over_points(points, tree_, threads, [&](std::size_t i, std::size_t k) {
+    return (points.point(k) - points.point(i)).norm();
   });
-  spacing_ = median(&spacings);
-  const double least = std::max(kLeastNuOfDiagonal * cloud_.diagonal, 1e-12);
-  point_nu_min_ = std::max(spacing_ / (3.0 * std::sqrt(3.0)), least);
-  plane_nu_min_ =
-      std::max({static_cast<double>(median(&heights)) / 6.0, least, kLeastNuOfSpacing * spacing_});
+  point_nu_min_ = std::max(spacing_ / (3.0 * std::sqrt(3.0)), least_nu());
+}
+
+double CloudTarget::least_nu() const {
+  return std::max(kLeastNuOfDiagonal * cloud_.diagonal, 1e-12);
+}
+
+void CloudTarget::prepare_normals(int threads, const Eigen::Vector3d* viewpoint) {
+  const Eigen::Vector3f from =
+      viewpoint ? Eigen::Vector3f((*viewpoint - cloud_.centre).cast<float>()) : Eigen::Vector3f();
+  estimate_normals(&cloud_.points, tree_, kNormalNeighbours, threads, viewpoint ? &from : nullptr);
+  normals_ready_ = true;
+  const PointCloud& points = cloud_.points;
+  const double height = median_over_points(points, tree_, threads, [&](std::size_t i, std::size_t k) {
+    return std::abs(points.normal(i).dot(points.point(k) - points.point(i)));
+  });
+  plane_nu_min_ = std::max({height / 6.0, least_nu(), kLeastNuOfSpacing * spacing_});
 }
 
 }  // namespace scanlock

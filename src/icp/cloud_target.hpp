@@ -31,11 +31,16 @@ class CloudTarget {
  public:
   static constexpr int kNormalNeighbours = 15;
 
-  /// Throws std::invalid_argument when fewer than three points are finite. `with_normals`: the cloud's own
-  /// normals are taken, and what is missing is estimated; without, plane methods cannot use the target.
-  CloudTarget(const PointCloud& cloud, bool with_normals, int threads = 1);
+  /// Throws std::invalid_argument when fewer than three points are finite. `threads` does not change the
+  /// answers.
+  explicit CloudTarget(const PointCloud& cloud, int threads = 1);
+
+  /// What the methods for planes need: the cloud's own normals are made unit, and what is missing is
+  /// estimated, looking towards `viewpoint` (in the cloud's own frame) where one is known.
+  void prepare_normals(int threads = 1, const Eigen::Vector3d* viewpoint = nullptr);
 
   const PointCloud& points() const { return cloud_.points; }  ///< relative to centre()
+  bool normals_ready() const { return normals_ready_; }
   const KdForest& tree() const { return tree_; }
   const Eigen::Vector3d& centre() const { return cloud_.centre; }
   double diagonal() const { return cloud_.diagonal; }
@@ -44,13 +49,15 @@ class CloudTarget {
   double spacing() const { return spacing_; }
   /// spacing / (3 sqrt 3): the point-to-point rule; never below what floats resolve.
   double point_nu_min() const { return point_nu_min_; }
-  /// Section 5: a sixth of the median over the points of the median distance of six neighbours to their
-  /// tangent plane.
+  /// Section 5, after prepare_normals(): a sixth of the median over the points of the median distance of six
+  /// neighbours to their tangent plane.
   double plane_nu_min() const { return plane_nu_min_; }
 
  private:
+  double least_nu() const;
   CentredCloud cloud_;
   KdForest tree_;
+  bool normals_ready_ = false;
   double spacing_ = 0, point_nu_min_ = 0, plane_nu_min_ = 0;
 };
 
