@@ -75,16 +75,26 @@ std::string panel(const View& view, SvgPanel::Frame frame, const Dots& source, c
   const auto [a0, a1] = extent(target, after, view.a);
   const auto [b0, b1] = extent(target, after, view.b);
   const SvgPanel axes = SvgPanel::equal_scales(frame, {a0, b0}, {a1, b1});
-  std::string svg = axes.grid(view.across, view.up, 5, 5);
-  const auto draw = [&](const Eigen::Vector3d& p, const char* colour, double radius) {
+  // One path a colour: its points are lines of no length with round ends.
+  std::array<std::string, kColours + 1> paths;
+  const auto draw = [&](const Eigen::Vector3d& p, std::size_t colour) {
     const Eigen::Vector2d at = axes.to_pixels({p[view.a], p[view.b]});
     const bool inside = at.x() >= frame.left && at.x() <= frame.left + frame.width && at.y() >= frame.top &&
                         at.y() <= frame.top + frame.height;
-    if (inside) svg += dot(at, colour, radius);
+    char command[48];
+    std::snprintf(command, sizeof command, "M%.1f %.1fh0", at.x(), at.y());
+    if (inside) paths[colour] += command;
   };
-  for (const Eigen::Vector3d& p : target.points) draw(p, "#b8b8b8", 0.8);
+  for (const Eigen::Vector3d& p : target.points) draw(p, kColours);
   for (std::size_t i = 0; i < source.points.size(); ++i)
-    draw(source.points[i], kPalette[static_cast<std::size_t>(source.colours[i])], 0.8);
+    draw(source.points[i], static_cast<std::size_t>(source.colours[i]));
+  std::string svg = axes.grid(view.across, view.up, 5, 5);
+  for (std::size_t k = 0; k <= kColours; ++k) {
+    const std::size_t colour = (k + kColours) % (kColours + 1);  // the target first, beneath the source
+    if (paths[colour].empty()) continue;
+    svg += std::string("<path class=\"dots\" stroke=\"") +
+           (colour == kColours ? "#b8b8b8" : kPalette[colour]) + "\" d=\"" + paths[colour] + "\"/>\n";
+  }
   return svg;
 }
 
@@ -138,7 +148,9 @@ std::string alignment_svg(const AlignmentPicture& picture) {
       "font-size=\"11\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n",
       width, height);
   std::string svg = head;
-  svg += "<style>.grid{stroke:#ddd;stroke-width:1;fill:none}.frame{stroke:#888;fill:none}</style>\n";
+  svg +=
+      "<style>.grid{stroke:#ddd;stroke-width:1;fill:none}.panel{stroke:#888;fill:none}"
+      ".dots{stroke-width:1.6;stroke-linecap:round;fill:none}</style>\n";
   svg += text(20, 24, picture.title + ": source over target (grey); above: at the start, below: aligned");
   for (int row = 0; row < 2; ++row) {
     const double top = kTop + row * (kPanel + kGap);
