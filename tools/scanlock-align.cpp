@@ -222,7 +222,7 @@ void print(const Options& options, const Json& json) {
 }
 
 PointCloud thinned(const PointCloud& cloud, double voxel) {
-  return voxel > 0 ? select(cloud, thin_by_voxel(cloud, static_cast<float>(voxel))) : cloud;
+  return voxel > 0 ? select(cloud, thin_by_voxel(cloud, static_cast<float>(voxel))) : PointCloud{};
 }
 
 CloudTarget make_target(const Options& options, const PointCloud& cloud) {
@@ -241,7 +241,9 @@ void run(const Options& options) {
   const Pose start = options.init.empty() ? Pose::Identity() : read_transform(options.init);
   ms.read = watch.lap();
   const double voxel = options.voxel >= 0 ? options.voxel : sensible_voxel(target_file);
-  const PointCloud source = thinned(source_file, voxel), target_cloud = thinned(target_file, voxel);
+  const PointCloud thin_source = thinned(source_file, voxel), thin_target = thinned(target_file, voxel);
+  const PointCloud& source = voxel > 0 ? thin_source : source_file;
+  const PointCloud& target_cloud = voxel > 0 ? thin_target : target_file;
   CloudTarget target = make_target(options, target_cloud);
   ms.index = watch.lap();
   if (method.needs_normals()) target.prepare_normals(options.threads);

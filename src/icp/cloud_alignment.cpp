@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
-#include <utility>
 
 #include "geometry/voxel_grid.hpp"
 #include "icp/cloud_covariance.hpp"
@@ -37,21 +36,6 @@ struct Effort {
 };
 constexpr Effort kPointEffort = {0.001, 0.01, 1.0, 2048};
 constexpr Effort kPlaneEffort = {0.1, 0.1, 1.0, 1024};
-
-/// Points in an order that keeps neighbours together, so that the tree stays in cache.
-PointCloud in_morton_order(const PointCloud& points, double diagonal) {
-  const float cells = diagonal > 0 ? static_cast<float>(1024.0 / diagonal) : 0.0f;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(points.size());
-  const auto cell = [&](float v) { return static_cast<std::int32_t>(std::floor(v * cells)); };
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    order[i] = {morton_key(cell(points.x[i]), cell(points.y[i]), cell(points.z[i])),
-                static_cast<std::uint32_t>(i)};
-  }
-  std::sort(order.begin(), order.end());
-  std::vector<std::uint32_t> indices(order.size());
-  std::transform(order.begin(), order.end(), indices.begin(), [](const auto& entry) { return entry.second; });
-  return select(points, indices);
-}
 
 /// Every n-th point, so that about `count` are left.
 PointCloud thinned(const PointCloud& points, std::size_t count) {
@@ -89,7 +73,6 @@ class CloudAligner {
       tree.rebuild(source_.points);
       estimate_normals(&source_.points, tree, CloudTarget::kNormalNeighbours, options.threads);
     }
-    source_.points = in_morton_order(source_.points, source_.diagonal);
     setup_ = {method.objective, method.coordinates, method.robust, options.threads};
     effort_ = method.objective == IcpObjective::kPoint ? kPointEffort : kPlaneEffort;
     tolerance_ = options.tolerance > 0 ? options.tolerance : kTolerance * target.diagonal();

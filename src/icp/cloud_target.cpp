@@ -7,9 +7,11 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "geometry/parallel.hpp"
+#include "geometry/voxel_grid.hpp"
 #include "icp/local_surfaces.hpp"
 
 namespace scanlock {
@@ -28,6 +30,22 @@ float median(std::vector<float>* values) {
   const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
   std::nth_element(values->begin(), middle, values->end());
   return *middle;
+}
+
+/// Points in an order that keeps neighbours together, so that searches find the tree in cache.
+PointCloud in_morton_order(PointCloud points, double diagonal) {
+  const float cells = diagonal > 0 ? static_cast<float>(1024.0 / diagonal) : 0.0f;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(points.size());
+  const auto cell = [&](float v) { return static_cast<std::int32_t>(std::floor(v * cells)); };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    order[i] = {morton_key(cell(points.x[i]), cell(points.y[i]), cell(points.z[i])),
+                static_cast<std::uint32_t>(i)};
+  }
+  if (std::is_sorted(order.begin(), order.end())) return points;
+  std::sort(order.begin(), order.end());
+  std::vector<std::uint32_t> indices(order.size());
+  std::transform(order.begin(), order.end(), indices.begin(), [](const auto& entry) { return entry.second; });
+  return select(points, indices);
 }
 
 bool normalise_own_normal(PointCloud* cloud, std::size_t i) {
@@ -104,6 +122,7 @@ CentredCloud centred(const PointCloud& cloud) {
     points.ny.push_back(cloud.ny[i]);
     points.nz.push_back(cloud.nz[i]);
   }
+  points = in_morton_order(std::move(points), result.diagonal);
   return result;
 }
 

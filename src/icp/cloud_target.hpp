@@ -17,7 +17,7 @@ void estimate_normals(PointCloud* cloud, const KdForest& tree, int neighbours, i
                       const Eigen::Vector3f* viewpoint = nullptr);
 
 /// The finite points of a cloud, shifted so that the centre of their bounding box is the origin: floats are
-/// precise there.
+/// precise there. They come in an order that keeps neighbours together.
 struct CentredCloud {
   PointCloud points;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< metres, in the cloud's own frame
