@@ -34,7 +34,7 @@ struct Effort {
   double upper_share;  ///< of the points that halving at each level would give
   std::size_t least_points;
 };
-constexpr Effort kPointEffort = {0.001, 0.01, 1.0, 2048};
+constexpr Effort kPointEffort = {0.001, 0.003, 1.0, 1024};
 constexpr Effort kPlaneEffort = {0.1, 0.1, 1.0, 1024};
 
 /// Every n-th point, so that about `count` are left.
