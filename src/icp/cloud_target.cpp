@@ -20,7 +20,6 @@ namespace {
 constexpr std::size_t kChunk = 256;
 // Scales are medians; so many points spread over the cloud give them to about two percent.
 constexpr std::size_t kScaleSamples = 4096;
-constexpr int kScaleNeighbours = 6;
 // A nu below these shares of the scene or of its sampling only follows float rounding.
 constexpr double kLeastNuOfDiagonal = 1e-6;
 constexpr double kLeastNuOfSpacing = 0.01;
@@ -56,26 +55,6 @@ bool normalise_own_normal(PointCloud* cloud, std::size_t i) {
   cloud->ny[i] = n.y() / length;
   cloud->nz[i] = n.z() / length;
   return true;
-}
-
-/// Median over the points of the median over six neighbours of distance(point, neighbour).
-template <typename Distance>
-double median_over_points(const PointCloud& points, const KdForest& tree, int threads,
-                          const Distance& distance) {
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / kScaleSamples);
-  std::vector<float> medians((points.size() + stride - 1) / stride);
-  for_each_chunk(medians.size(), kChunk, threads, [&](std::size_t begin, std::size_t end) {
-    Neighbour found[kScaleNeighbours + 1];
-    std::vector<float> distances;
-    for (std::size_t s = begin; s < end; ++s) {
-      const int count = tree.k_nearest(points.point(s * stride), kScaleNeighbours + 1, found);
-      distances.clear();
-      for (int k = 1; k < count; ++k)  // the first is the point itself
-        distances.push_back(distance(s * stride, static_cast<std::size_t>(found[k].index)));
-      medians[s] = median(&distances);
-    }
-  });
-  return static_cast<double>(median(&medians));
 }
 
 }  // namespace
@@ -126,6 +105,18 @@ CentredCloud centred(const PointCloud& cloud) {
   return result;
 }
 
+/// Median over the samples of the median over their neighbours of distance(point, neighbour).
+template <typename Distance>
+double CloudTarget::median_over_samples(const Distance& distance) const {
+  std::vector<float> medians, distances;
+  for (const Sample& sample : samples_) {
+    distances.clear();
+    for (int k = 0; k < sample.count; ++k) distances.push_back(distance(sample.point, sample.neighbours[k]));
+    medians.push_back(median(&distances));
+  }
+  return static_cast<double>(median(&medians));
+}
+
 CloudTarget::CloudTarget(const PointCloud& cloud, int threads) : cloud_(centred(cloud)) {
   const PointCloud& points = cloud_.points;
   if (points.size() < 3) {
@@ -133,9 +124,21 @@ CloudTarget::CloudTarget(const PointCloud& cloud, int threads) : cloud_(centred(
                                 " finite points; an alignment takes at least 3");
   }
   tree_.rebuild(points);
-  spacing_ = median_over_points(points, tree_, threads, [&](std::size_t i, std::size_t k) {
-    return (points.point(k) - points.point(i)).norm();
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / kScaleSamples);
+  samples_.resize((points.size() + stride - 1) / stride);
+  for_each_chunk(samples_.size(), kChunk, threads, [&](std::size_t begin, std::size_t end) {
+    Neighbour found[Sample::kNeighbours + 1];
+    for (std::size_t s = begin; s < end; ++s) {
+      // The point itself is among those found, at distance 0.
+      const int count = tree_.k_nearest(points.point(s * stride), Sample::kNeighbours + 1, found);
+      samples_[s].point = s * stride;
+      samples_[s].count = count - 1;
+      for (int k = 1; k < count; ++k)
+        samples_[s].neighbours[k - 1] = static_cast<std::size_t>(found[k].index);
+    }
   });
+  spacing_ = median_over_samples(
+      [&](std::size_t i, std::size_t k) { return (points.point(k) - points.point(i)).norm(); });
   point_nu_min_ = std::max(spacing_ / (3.0 * std::sqrt(3.0)), least_nu());
 }
 
@@ -145,11 +148,11 @@ double CloudTarget::least_nu() const {
 
 void CloudTarget::prepare_normals(int threads, const Eigen::Vector3d* viewpoint) {
   const Eigen::Vector3f from =
-      viewpoint ? Eigen::Vector3f((*viewpoint - cloud_.centre).cast<float>()) : Eigen::Vector3f();
+      viewpoint ? Eigen::Vector3f((*viewpoint - cloud_.centre).cast<float>()) : Eigen::Vector3f::Zero();
   estimate_normals(&cloud_.points, tree_, kNormalNeighbours, threads, viewpoint ? &from : nullptr);
   normals_ready_ = true;
   const PointCloud& points = cloud_.points;
-  const double height = median_over_points(points, tree_, threads, [&](std::size_t i, std::size_t k) {
+  const double height = median_over_samples([&](std::size_t i, std::size_t k) {
     return std::abs(points.normal(i).dot(points.point(k) - points.point(i)));
   });
   plane_nu_min_ = std::max({height / 6.0, least_nu(), kLeastNuOfSpacing * spacing_});

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <vector>
 
 #include "geometry/point_cloud.hpp"
 #include "search/kd_forest.hpp"
@@ -54,9 +57,19 @@ class CloudTarget {
   double plane_nu_min() const { return plane_nu_min_; }
 
  private:
+  /// A point and its neighbours, from which the scales are medians.
+  struct Sample {
+    static constexpr int kNeighbours = 6;
+    std::size_t point = 0;
+    int count = 0;
+    std::array<std::size_t, kNeighbours> neighbours{};
+  };
+  template <typename Distance>
+  double median_over_samples(const Distance& distance) const;
   double least_nu() const;
   CentredCloud cloud_;
   KdForest tree_;
+  std::vector<Sample> samples_;
   bool normals_ready_ = false;
   double spacing_ = 0, point_nu_min_ = 0, plane_nu_min_ = 0;
 };
