@@ -51,7 +51,7 @@ void Correspondences::search(const Eigen::Vector3f& query, float radius, float g
   memory->z = query.z();
   memory->nearest = count > 0 ? found[0].index : -1;
   memory->second = count > 1 ? found[1].index : -1;
-  memory->margin = (count > 0 ? 0.5f * (d2 - d1) : radius - gate) - kRounding * radius;
+  memory->margin = (count > 0 ? 0.5f * (d2 - d1) : radius - gate) - kRounding * d2;
 }
 
 void Correspondences::update(const std::vector<float>& x, const std::vector<float>& y, const std::vector<float>& z,

@@ -1,0 +1,272 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "icp/cloud_alignment.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "geometry/voxel_grid.hpp"
+#include "icp/cloud_covariance.hpp"
+#include "icp/welsch.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr double kNuMaxOfMedian = 3.0;  // section 4.3
+constexpr double kNuFactor = 0.5;
+constexpr double kTolerance = 1e-5;  // of the diagonal
+constexpr std::size_t kApproachPoints = 1024;
+constexpr double kApproachTolerance = 0.05;  // of nu
+constexpr double kApproachEnd = 2.0;         // spacings
+constexpr std::size_t kMedianPoints = 2048;
+constexpr double kInlierSpacings = 2.0;
+constexpr double kGateMargin = 2.0;   // spacings, on top of the reach of nu, for distances within planes
+constexpr double kFirstGate = 6.0;    // median distances at the start
+constexpr double kHonestPairs = 3.0;  // median distances of the pairs
+constexpr double kFewInliers = 0.02;
+
+/// How far a level is driven; tolerances are shares of its nu. Distances to points creep: stopped early, they
+/// have not arrived. Distances to planes jump there.
+struct Effort {
+  double last_tolerance, upper_tolerance;
+  double upper_share;  ///< of the points that halving at each level would give
+  std::size_t least_points;
+};
+constexpr Effort kPointEffort = {0.001, 0.003, 1.0, 1024};
+constexpr Effort kPlaneEffort = {0.1, 0.1, 1.0, 1024};
+
+/// Every n-th point, so that about `count` are left.
+PointCloud thinned(const PointCloud& points, std::size_t count) {
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / count);
+  std::vector<std::uint32_t> indices;
+  for (std::size_t i = 0; i < points.size(); i += stride) indices.push_back(static_cast<std::uint32_t>(i));
+  return select(points, indices);
+}
+
+/// Of the absolute values of those that are not NaN.
+double median(const std::vector<float>& numbers) {
+  std::vector<float> values;
+  for (float v : numbers) {
+    if (!std::isnan(v)) values.push_back(std::abs(v));
+  }
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+class CloudAligner {
+ public:
+  CloudAligner(const PointCloud& source, const CloudTarget& target, const CloudMethod& method,
+               const CloudAlignmentOptions& options)
+      : target_(target), method_(method), options_(options), source_(centred(source)) {
+    if (source_.points.size() < 3) {
+      throw std::invalid_argument(std::to_string(source_.points.size()) +
+                                  " finite points; an alignment takes at least 3");
+    }
+    if (method.needs_normals() && !target.normals_ready())
+      throw std::invalid_argument("this method takes a target whose normals are prepared");
+    if (method.objective == IcpObjective::kSymmetric) {
+      KdForest tree;
+      tree.rebuild(source_.points);
+      estimate_normals(&source_.points, tree, CloudTarget::kNormalNeighbours, options.threads);
+    }
+    setup_ = {method.objective, method.coordinates, method.robust, options.threads};
+    effort_ = method.objective == IcpObjective::kPoint ? kPointEffort : kPlaneEffort;
+    tolerance_ = options.tolerance > 0 ? options.tolerance : kTolerance * target.diagonal();
+  }
+
+  CloudAlignment run(const Pose& start) {
+    Pose pose = shift(-target_.centre()) * start * shift(source_.centre);
+    pose = method_.robust ? solve_robust(pose) : solve_squares(pose);
+    result_.target_from_source = renormalised(shift(target_.centre()) * pose * shift(-source_.centre));
+    return result_;
+  }
+
+ private:
+  static Pose shift(const Eigen::Vector3d& by) {
+    Pose pose = Pose::Identity();
+    pose.translation() = by;
+    return pose;
+  }
+
+  /// Farther than any pair of points can be.
+  double everything(const Pose& pose) const {
+    return pose.translation().norm() + source_.diagonal + target_.diagonal() + 1e-6;
+  }
+
+  /// Pairs farther apart do not count at a level. For distances to points that changes nothing: their weight
+  /// is below rounding there. A plane reaches farther than the surface it stands for, so a point far away can
+  /// lie on it by chance (the authors' code lets it, and slides along some scenes); the gate closes as nu
+  /// does.
+  double gate(double nu) const {
+    if (method_.objective == IcpObjective::kPoint) return kWelschReach * nu;
+    return std::max(first_gate_ * nu / result_.nu_max, 3.0 * nu + kGateMargin * target_.spacing());
+  }
+
+  void account(const DescentResult& level) {
+    result_.iterations += level.iterations;
+    result_.sweeps += level.evaluations;
+    result_.energy = level.energy;
+    result_.stop_reason = level.converged ? "converged" : "iterations";
+  }
+
+  Pose solve_squares(const Pose& start) {
+    CloudProblem problem(source_.points, target_, setup_);
+    DescentOptions descent;
+    descent.anderson_window = method_.accelerated ? AndersonAcceleration::kMaxWindow : 0;
+    descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 1000;
+    descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : 6;
+    descent.tolerance = tolerance_;
+    account(descend(problem, problem.begin(start, 1.0, 2.0 * everything(start)), descent));
+    finish(problem);
+    return problem.pose();
+  }
+
+  /// Distances to planes have a narrow basin: from far away they settle on a wrong alignment where distances
+  /// to points still find the right one. So these go first, over few points and down to a nu where planes
+  /// take over.
+  Pose approach(Pose pose) {
+    const PointCloud some = thinned(source_.points, kApproachPoints);
+    CloudProblem::Setup setup = setup_;
+    setup.objective = IcpObjective::kPoint;
+    CloudProblem problem(some, target_, setup);
+    problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
+    double nu = kNuMaxOfMedian * median(problem.residuals());
+    DescentOptions descent;
+    descent.max_iterations = 100;
+    descent.max_line_search_steps = 0;
+    for (; nu > kApproachEnd * target_.spacing(); nu *= kNuFactor) {
+      descent.tolerance = kApproachTolerance * nu;
+      account(descend(problem, problem.begin(pose, nu, kWelschReach * nu), descent));
+      pose = problem.pose();
+    }
+    count_searches(problem);
+    return pose;
+  }
+
+  Pose solve_robust(Pose pose) {
+    if (method_.objective != IcpObjective::kPoint && !options_.thorough) pose = approach(pose);
+    choose_nu(pose);
+    DescentOptions descent;
+    descent.anderson_window = method_.accelerated ? AndersonAcceleration::kMaxWindow : 0;
+    descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 100;
+    descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : 6;
+    const double last_tolerance = std::min(tolerance_, effort_.last_tolerance * result_.nu_min);
+    double nu = result_.nu_max;
+    for (; nu > result_.nu_min; nu *= kNuFactor) {
+      const PointCloud some = options_.thorough ? source_.points : thinned(source_.points, points_for(nu));
+      CloudProblem upper(some, target_, setup_);
+      descent.tolerance =
+          options_.thorough ? last_tolerance : std::max(last_tolerance, effort_.upper_tolerance * nu);
+      account(descend(upper, upper.begin(pose, nu, gate(nu)), descent));
+      pose = upper.pose();
+      count_searches(upper);
+    }
+    CloudProblem problem(source_.points, target_, setup_);
+    descent.tolerance = last_tolerance;
+    account(descend(problem, problem.begin(pose, result_.nu_min, gate(result_.nu_min)), descent));
+    finish(problem);
+    return problem.pose();
+  }
+
+  /// The upper levels only have to bring the lower ones into their basin: each gets half as many points as
+  /// the next.
+  std::size_t points_for(double nu) const {
+    const double points =
+        effort_.upper_share * static_cast<double>(source_.points.size()) * result_.nu_min / nu;
+    return std::max(effort_.least_points, static_cast<std::size_t>(points));
+  }
+
+  void choose_nu(const Pose& pose) {
+    const bool point = method_.objective == IcpObjective::kPoint;
+    result_.nu_min = options_.nu_min > 0 ? options_.nu_min
+                     : point             ? target_.point_nu_min()
+                                         : target_.plane_nu_min();
+    result_.nu_max = options_.nu_max;
+    if (!(result_.nu_max > 0)) {
+      const PointCloud some = thinned(source_.points, kMedianPoints);
+      CloudProblem problem(some, target_, setup_);
+      problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
+      first_gate_ = kFirstGate * std::sqrt(median(problem.squared_distances()));
+      result_.nu_max = kNuMaxOfMedian * median(problem.residuals());
+      count_searches(problem);
+    }
+    result_.nu_max = std::max(result_.nu_max, result_.nu_min);
+  }
+
+  void count_searches(const CloudProblem& problem) {
+    result_.searches_made += problem.correspondences().searches_made();
+    result_.searches_saved += problem.correspondences().searches_saved();
+  }
+
+  /// What the last state says about the result.
+  void finish(const CloudProblem& problem) {
+    count_searches(problem);
+    const double gate = kInlierSpacings * std::max(target_.spacing(), 3.0 * result_.nu_min);
+    const auto& squared = problem.squared_distances();
+    const auto inliers =
+        std::count_if(squared.begin(), squared.end(), [&](float d) { return d <= gate * gate; });
+    result_.inlier_ratio = static_cast<double>(inliers) / static_cast<double>(source_.points.size());
+    // Rings and rows make the spacing much smaller than the distance of honest pairs: those are asked, too.
+    const double honest = std::max(gate, kHonestPairs * std::sqrt(static_cast<double>(median(squared))));
+    // Distances to points use planes less well than distances to planes: as if nu were below the noise.
+    const double planes_nu = method_.robust ? result_.nu_min : 0.0;
+    const AlignmentCertainty certainty =
+        alignment_certainty(source_.points, target_, problem, honest, planes_nu, source_.centre);
+    result_.covariance = certainty.covariance;
+    result_.degenerate_axes = certainty.degeneracy.axes;
+    if (result_.degenerate_axes != 0 || result_.inlier_ratio < kFewInliers)
+      result_.stop_reason = "degenerate";
+  }
+
+  const CloudTarget& target_;
+  CloudMethod method_;
+  CloudAlignmentOptions options_;
+  CentredCloud source_;
+  CloudProblem::Setup setup_;
+  Effort effort_ = kPointEffort;
+  double tolerance_ = 0;
+  double first_gate_ = 0;
+  CloudAlignment result_;
+};
+
+struct NamedMethod {
+  const char* name;
+  CloudMethod method;
+};
+constexpr std::array<NamedMethod, 9> kMethods = {{
+    {"icp", {IcpObjective::kPoint, false, false, MotionCoordinates::kLieAlgebra}},
+    {"aa-icp", {IcpObjective::kPoint, false, true, MotionCoordinates::kEulerAngles}},
+    {"fast-icp", {IcpObjective::kPoint, false, true, MotionCoordinates::kLieAlgebra}},
+    {"robust-icp", {IcpObjective::kPoint, true, true, MotionCoordinates::kLieAlgebra}},
+    {"icp-plane", {IcpObjective::kPlane, false, false, MotionCoordinates::kLieAlgebra}},
+    {"fast-icp-plane", {IcpObjective::kPlane, false, true, MotionCoordinates::kLieAlgebra}},
+    {"robust-icp-plane", {IcpObjective::kPlane, true, true, MotionCoordinates::kLieAlgebra}},
+    {"symmetric-icp", {IcpObjective::kSymmetric, false, false, MotionCoordinates::kLieAlgebra}},
+    {"robust-symmetric-icp", {IcpObjective::kSymmetric, true, true, MotionCoordinates::kLieAlgebra}},
+}};
+
+}  // namespace
+
+std::optional<CloudMethod> find_cloud_method(const std::string& name) {
+  for (const NamedMethod& entry : kMethods) {
+    if (name == entry.name) return entry.method;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> cloud_method_names() {
+  std::vector<std::string> names;
+  for (const NamedMethod& entry : kMethods) names.emplace_back(entry.name);
+  return names;
+}
+
+CloudAlignment align_clouds(const PointCloud& source, const CloudTarget& target, const Pose& start,
+                            const CloudMethod& method, const CloudAlignmentOptions& options) {
+  return CloudAligner(source, target, method, options).run(start);
+}
+
+}  // namespace scanlock

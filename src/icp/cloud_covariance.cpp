@@ -1,0 +1,132 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "icp/cloud_covariance.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "icp/local_surfaces.hpp"
+#include "icp/welsch.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr std::size_t kSamples = 8192;
+constexpr double kSigmaOfMedian = 1.4826;  // of a normal distribution
+constexpr double kReach = 3.0;             // sigmas
+constexpr double kRadius = 5.0;            // spacings; for normals of targets that have none
+// What independent noise leaves out (pairs across edges, pairs that change with the motion), from trials with
+// known truth.
+constexpr double kInflation = 4.0;
+constexpr double kLeastSlope = 0.02;
+// A motion that nothing observes is as uncertain as this: the scene's size, half a turn.
+constexpr double kOpenRotation = 3.14159265358979;
+
+struct PlanePair {
+  Vector6 j;  // of the residual by xi, source centred
+  double residual;
+  std::int32_t target;
+};
+
+std::vector<PlanePair> plane_pairs(const PointCloud& source, const CloudTarget& target,
+                                   const CloudProblem& problem, double gate) {
+  std::vector<PlanePair> pairs;
+  const std::size_t stride = std::max<std::size_t>(1, source.size() / kSamples);
+  const std::vector<std::int32_t>& indices = problem.correspondences().indices();
+  const Pose& pose = problem.pose();
+  LocalSurfaces surfaces;
+  const PointCloud& to = target.points();
+  if (!target.normals_ready()) {
+    surfaces.reset(to, target.tree(),
+                   static_cast<float>(kRadius * std::max(target.spacing(), 1e-6 * target.diagonal())));
+    std::vector<std::int32_t> wanted;
+    for (std::size_t i = 0; i < source.size(); i += stride) wanted.push_back(indices[i]);
+    surfaces.prepare(wanted, 1);
+  }
+  for (std::size_t i = 0; i < source.size(); i += stride) {
+    if (indices[i] < 0 || !(problem.squared_distances()[i] <= gate * gate)) continue;
+    const std::size_t q = static_cast<std::size_t>(indices[i]);
+    const Eigen::Vector3f normal = target.normals_ready() ? to.normal(q) : surfaces.at(indices[i]).normal;
+    if (normal.isZero(0)) continue;
+    const Eigen::Vector3d p = source.point(i).cast<double>(), n = normal.cast<double>();
+    const Eigen::Vector3d body_normal = pose.linear().transpose() * n;
+    PlanePair pair;
+    pair.j << body_normal, p.cross(body_normal);
+    pair.residual = n.dot(pose * p - to.point(q).cast<double>());
+    pair.target = indices[i];
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+double deviation(const std::vector<PlanePair>& pairs) {
+  std::vector<double> values;
+  for (const PlanePair& pair : pairs) values.push_back(std::abs(pair.residual));
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return kSigmaOfMedian * *middle;
+}
+
+/// Variance that a residual would have if the estimator were least squares: b / a^2.
+double effective_variance(const std::vector<PlanePair>& pairs, double nu) {
+  double slope = 0, square = 0;
+  for (const PlanePair& pair : pairs) {
+    const double s = pair.residual * pair.residual;
+    const double w = nu > 0 ? welsch_weight(s, nu) : 1.0;
+    slope += nu > 0 ? w * (1.0 - s / (nu * nu)) : 1.0;
+    square += w * w * s;
+  }
+  const double n = static_cast<double>(pairs.size());
+  slope = std::max(slope / n, kLeastSlope);
+  return square / n / (slope * slope);
+}
+
+/// By how much shared target points inflate the variance: half of a residual's noise is the target's.
+double sharing(const std::vector<PlanePair>& pairs) {
+  std::vector<std::int32_t> targets;
+  for (const PlanePair& pair : pairs) targets.push_back(pair.target);
+  std::sort(targets.begin(), targets.end());
+  const auto distinct = std::unique(targets.begin(), targets.end()) - targets.begin();
+  return 0.5 * (1.0 + static_cast<double>(pairs.size()) / static_cast<double>(distinct));
+}
+
+}  // namespace
+
+AlignmentCertainty alignment_certainty(const PointCloud& source, const CloudTarget& target,
+                                       const CloudProblem& problem, double gate, double nu,
+                                       const Eigen::Vector3d& source_centre) {
+  AlignmentCertainty certainty;
+  const std::vector<PlanePair> pairs = plane_pairs(source, target, problem, gate);
+  Matrix6 geometry = Matrix6::Zero(), information = Matrix6::Zero();
+  if (!pairs.empty()) {
+    const double rounding = 1e-7 * target.diagonal() + 1e-12;
+    const double sigma = std::max(deviation(pairs), rounding);
+    for (const PlanePair& pair : pairs) {
+      const Matrix6 jj = pair.j * pair.j.transpose();
+      information += jj;
+      if (std::abs(pair.residual) <= kReach * sigma) geometry += jj;
+    }
+    const double share = static_cast<double>(std::max<std::size_t>(1, source.size() / kSamples));
+    const double variance = std::max(effective_variance(pairs, nu), rounding * rounding);
+    information *= share / (kInflation * variance * sharing(pairs));
+  }
+  certainty.degeneracy = find_degeneracy(geometry);
+  const double open = std::max(target.diagonal(), 1e-6);
+  information.diagonal().head<3>().array() += 1.0 / (open * open);
+  information.diagonal().tail<3>().array() += 1.0 / (kOpenRotation * kOpenRotation);
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(information);
+  const Matrix6 centred_covariance = solver.eigenvectors() *
+                                     solver.eigenvalues().cwiseMax(1e-12).cwiseInverse().asDiagonal() *
+                                     solver.eigenvectors().transpose();
+  // T exp(xi) with T = T_centred shift^-1: xi moves by the adjoint of the shift from the centre to the
+  // cloud's origin.
+  Pose own_from_centred = Pose::Identity();
+  own_from_centred.translation() = source_centre;
+  const Matrix6 shift = adjoint(own_from_centred);
+  certainty.covariance = shift * centred_covariance * shift.transpose();
+  return certainty;
+}
+
+}  // namespace scanlock

@@ -1,0 +1,60 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "icp/cloud_thinning.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/voxel_grid.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr std::size_t kFew = 20000, kLeast = 5000, kMost = 24000;  // points
+constexpr double kVoxelOfRadius = 0.042;                           // the first guess
+constexpr double kStep = 1.4142135623730951;
+constexpr int kRounds = 12;
+
+/// Median distance of the points from their median.
+double median_radius(const PointCloud& cloud) {
+  std::vector<float> axis[3], radii;
+  for (std::size_t i = 0; i < cloud.size(); i += 16) {
+    if (!cloud.point(i).allFinite()) continue;
+    for (int k = 0; k < 3; ++k) axis[k].push_back(cloud.point(i)[k]);
+  }
+  if (axis[0].empty()) return 0;
+  const auto median = [](std::vector<float> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  const Eigen::Vector3f centre(median(axis[0]), median(axis[1]), median(axis[2]));
+  for (std::size_t i = 0; i < axis[0].size(); ++i)
+    radii.push_back((Eigen::Vector3f(axis[0][i], axis[1][i], axis[2][i]) - centre).norm());
+  return static_cast<double>(median(radii));
+}
+
+}  // namespace
+
+double sensible_voxel(const PointCloud& cloud) {
+  if (cloud.size() <= kFew) return 0;
+  double voxel = kVoxelOfRadius * median_radius(cloud);
+  if (!(voxel > 0)) return 0;
+  bool grew = false;
+  for (int round = 0; round < kRounds; ++round) {
+    const std::size_t count = thin_by_voxel(cloud, static_cast<float>(voxel)).size();
+    if (count > kMost) {
+      voxel *= kStep;
+      grew = true;
+    } else if (count < kLeast && !grew) {
+      voxel /= kStep;
+    } else {
+      break;
+    }
+  }
+  return voxel;
+}
+
+}  // namespace scanlock

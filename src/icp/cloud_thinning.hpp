@@ -1,0 +1,13 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "geometry/point_cloud.hpp"
+
+namespace scanlock {
+
+/// A voxel size, metres, that leaves about ten thousand points of the cloud, which is plenty to align it; 0
+/// (keep all) for a cloud that has not many more.
+double sensible_voxel(const PointCloud& cloud);
+
+}  // namespace scanlock

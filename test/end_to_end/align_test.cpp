@@ -1,0 +1,136 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "geometry/rigid.hpp"
+#include "io/cloud_file.hpp"
+#include "process.hpp"
+
+using namespace scanlock;
+using namespace scanlock::test;
+
+namespace {
+
+/// Three walls and a slope, 3000 points.
+PointCloud corner(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> side(0, 4);
+  PointCloud cloud;
+  for (int i = 0; i < 3000; ++i) {
+    const float a = side(random), b = side(random);
+    if (i % 4 == 0) cloud.push_back(a, b, 0);
+    if (i % 4 == 1) cloud.push_back(a, 0, b);
+    if (i % 4 == 2) cloud.push_back(0, a, b);
+    if (i % 4 == 3) cloud.push_back(4 + 0.3f * b, a, b);
+  }
+  return cloud;
+}
+
+struct Files {
+  TemporaryFolder folder;
+  std::string source = folder / "source.ply", target = folder / "target.ply", truth = folder / "truth.txt";
+  Files() {
+    Pose pose = Pose::Identity();  // yaw of 0.05 rad and 0.1 m along x, source to target
+    pose.linear() = so3_exp({0, 0, 0.05});
+    pose.translation() = Eigen::Vector3d(0.1, 0, 0);
+    PointCloud moved;
+    const PointCloud cloud = corner(2);
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      moved.push_back(Eigen::Vector3f((pose.inverse() * cloud.point(i).cast<double>()).cast<float>()));
+    write_cloud(source, moved);
+    write_cloud(target, corner(1));
+    std::string text;
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 4; ++column) text += std::to_string(pose.matrix()(row, column)) + " ";
+      text += "\n";
+    }
+    write_file(truth, text);
+  }
+};
+
+double number(const std::string& json, const std::string& key) {
+  const std::size_t at = json.find("\"" + key + "\":");
+  REQUIRE(at != std::string::npos);
+  return std::stod(json.substr(at + key.size() + 3));
+}
+
+}  // namespace
+
+TEST_CASE("scanlock-align prints the promised JSON and writes its files") {
+  const Files files;
+  const std::string aligned = files.folder / "aligned.ply", picture = files.folder / "picture.svg";
+  const Result result =
+      run(files.folder, {"scanlock-align", files.source, files.target, "--method", "robust-icp-plane",
+                         "--truth", files.truth, "--output", aligned, "--picture", picture, "--json"});
+  REQUIRE(result.code == 0);
+  for (const char* key : {"method",
+                          "transform",
+                          "points",
+                          "iterations",
+                          "sweeps",
+                          "stop_reason",
+                          "energy",
+                          "inlier_ratio",
+                          "covariance",
+                          "degenerate_axes",
+                          "ms",
+                          "read",
+                          "normals",
+                          "index",
+                          "solve",
+                          "total",
+                          "peak_rss_mb",
+                          "rmse",
+                          "rotation_error_deg",
+                          "translation_error"}) {
+    CAPTURE(key);
+    CHECK(result.output.find("\"" + std::string(key) + "\":") != std::string::npos);
+  }
+  CHECK(number(result.output, "rmse") < 0.005);
+  CHECK(number(result.output, "rotation_error_deg") < 0.1);
+  CHECK(read_cloud(aligned).size() == 3000);
+  CHECK(read_file(picture).rfind("<svg", 0) == 0);
+  CHECK(read_file(picture).find("from the front") != std::string::npos);
+}
+
+TEST_CASE("scanlock-align starts where it is told to") {
+  const Files files;
+  const Result result = run(files.folder, {"scanlock-align", files.source, files.target, "--method", "icp",
+                                           "--init", files.truth, "--truth", files.truth, "--json"});
+  REQUIRE(result.code == 0);
+  CHECK(number(result.output, "rotation_error_deg") < 0.5);
+}
+
+TEST_CASE("scanlock-align says what is wrong in one line") {
+  const Files files;
+  const std::string two = files.folder / "two.xyz", bad = files.folder / "bad.txt";
+  write_file(two, "0 0 0\n1 0 0\n");
+  write_file(bad, "1 0 0 0\n0 1 0 zero\n0 0 1 0\n0 0 0 1\n");
+  struct Wrong {
+    std::vector<std::string> arguments;
+    int code;
+    std::string words;
+  };
+  const Wrong cases[] = {
+      {{files.source, two}, 1, two + ": 2 finite points"},
+      {{two, files.target}, 1, two + ": 2 finite points"},
+      {{files.source, files.folder / "none.ply"}, 1, "none.ply"},
+      {{files.source, files.target, "--init", bad}, 1, bad + ": row 2, number 4"},
+      {{files.source, files.target, "--method", "magic"}, 2, "magic"},
+      {{files.source, files.target, "--voxel", "-1"}, 2, "voxel"},
+      {{files.source}, 2, "TARGET"},
+  };
+  for (const Wrong& wrong : cases) {
+    std::vector<std::string> command = {"scanlock-align"};
+    command.insert(command.end(), wrong.arguments.begin(), wrong.arguments.end());
+    const Result result = run(files.folder, command);
+    CAPTURE(result.errors);
+    CHECK(result.code == wrong.code);
+    CHECK(result.output.empty());
+    CHECK(result.errors.find(wrong.words) != std::string::npos);
+  }
+}
