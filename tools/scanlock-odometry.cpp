@@ -30,7 +30,9 @@ struct Options {
 Json summary(const ReplayResult& result) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
   const std::vector<double>& ms = result.scan_ms;
   const double sum = std::accumulate(ms.begin(), ms.end(), 0.0);
   const auto state = [&](TrackingState s) { return result.states[static_cast<std::size_t>(s)]; };
@@ -61,8 +63,9 @@ Json summary(const ReplayResult& result) {
 void print(const Json& s) {
   const Json &states = s["states"], &ms = s["ms"];
   std::cout << "scans " << s["scans"] << ", poses " << s["poses"] << ", way " << s["distance_m"] << " m\n"
-            << "states: tracking " << states["tracking"] << ", degraded " << states["degraded"] << ", recovering "
-            << states["recovering"] << ", ambiguous " << states["ambiguous"] << ", lost " << states["lost"] << "\n"
+            << "states: tracking " << states["tracking"] << ", degraded " << states["degraded"]
+            << ", recovering " << states["recovering"] << ", ambiguous " << states["ambiguous"] << ", lost "
+            << states["lost"] << "\n"
             << "ms a scan: p50 " << ms["p50"] << ", p95 " << ms["p95"] << ", p99 " << ms["p99"] << ", max "
             << ms["max"] << "; CPU " << s["cpu_s"] << " s, peak memory " << s["peak_rss_mb"] << " MB\n";
 }
@@ -74,11 +77,13 @@ int run(const Options& options) {
   ReplayResult result;
   {
     ProgressBar bar("odometry");
-    result = replay_log(options.replay, config, [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); });
+    result = replay_log(options.replay, config,
+                        [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); });
   }
   if (!result.damage.empty()) std::cerr << "scanlock-odometry: " << result.damage << "\n";
   if (result.rejected > 0) {
-    std::cerr << "scanlock-odometry: " << result.rejected << " messages hold no scan; the first: " << result.first_error << "\n";
+    std::cerr << "scanlock-odometry: " << result.rejected
+              << " messages hold no scan; the first: " << result.first_error << "\n";
   }
   if (result.scans == 0) {
     std::string names;
@@ -100,14 +105,17 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("LiDAR odometry over an LCM log: every scan, in order, as fast as the machine goes.", "scanlock-odometry");
+  CLI::App app("LiDAR odometry over an LCM log: every scan, in order, as fast as the machine goes.",
+               "scanlock-odometry");
   app.set_help_flag("-h,--help", "Print this help message and exit");
   app.set_version_flag("-V,--version", SCANLOCK_VERSION);
   app.add_option("LOG", options.replay.log_path, "LCM log with scans")->required();
   app.add_option("-c,--config", options.config_path, "Configuration (TOML), as scanlockd reads it");
-  app.add_option("--scan-channel", options.channels, "Channel of the scans; may be given again (default LIDAR)")
+  app.add_option("--scan-channel", options.channels,
+                 "Channel of the scans; may be given again (default LIDAR)")
       ->allow_extra_args(false);
-  app.add_option("--threads", options.threads, "Worker threads; the result does not depend on it")->check(CLI::PositiveNumber);
+  app.add_option("--threads", options.threads, "Worker threads; the result does not depend on it")
+      ->check(CLI::PositiveNumber);
   app.add_option("--poses", options.tum_path, "Write the trajectory (TUM)");
   app.add_option("--kitti", options.kitti_path, "Write the trajectory (KITTI)");
   app.add_option("--output", options.replay.output_log_path, "Write poses and odometry messages (LCM log)");

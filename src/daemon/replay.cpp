@@ -41,7 +41,8 @@ class Replay {
       ++result_.bad_times;
       return;
     }
-    if (tracked.verdict == ScanVerdict::kEmpty && tracked.method == PoseMethod::kNone) return;  // before the first
+    if (tracked.verdict == ScanVerdict::kEmpty && tracked.method == PoseMethod::kNone)
+      return;  // before the first
     record(tracked);
   }
 
@@ -70,7 +71,8 @@ class Replay {
     if (!writer_) return;
     const DaemonConfig& daemon = config_.daemon;
     if (!daemon.pose_channel.empty()) {
-      writer_->write(tracked.utime, daemon.pose_channel, encode_pose(tracked, twist_frame(daemon.twist_frame)));
+      writer_->write(tracked.utime, daemon.pose_channel,
+                     encode_pose(tracked, twist_frame(daemon.twist_frame)));
     }
     if (!daemon.odometry_channel.empty()) {
       OdometryContext context;  // no clock: the same bytes every time
@@ -103,7 +105,8 @@ ReplayResult replay_log(const ReplayOptions& options, const Config& config,
   limits.max_points = static_cast<std::size_t>(config.daemon.max_points);
   limits.mbot_clockwise = config.daemon.mbot_clockwise;
   std::map<std::string, SectorAssembler> assemblers;
-  for (const std::string& channel : config.daemon.scan_channels) assemblers.emplace(channel, limits.max_points);
+  for (const std::string& channel : config.daemon.scan_channels)
+    assemblers.emplace(channel, limits.max_points);
 
   while (const std::optional<LogEvent> event = reader.next()) {
     const auto assembler = assemblers.find(event->channel);
@@ -116,7 +119,8 @@ ReplayResult replay_log(const ReplayOptions& options, const Config& config,
       whole = true;
     }
     if (whole) {
-      replay.result().scan_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+      replay.result().scan_ms.push_back(
+          std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
     }
     if (progress) progress(reader.position(), reader.file_size());
   }
@@ -124,8 +128,8 @@ ReplayResult replay_log(const ReplayOptions& options, const Config& config,
     if (const std::optional<DecodedScan> rest = assembler.flush()) replay.take(*rest);
   }
   if (reader.damaged_places() > 0 || reader.truncated()) {
-    replay.result().damage = options.log_path + ": " + std::to_string(reader.damaged_places()) + " damaged places, " +
-                             std::to_string(reader.skipped_bytes()) + " bytes skipped" +
+    replay.result().damage = options.log_path + ": " + std::to_string(reader.damaged_places()) +
+                             " damaged places, " + std::to_string(reader.skipped_bytes()) + " bytes skipped" +
                              (reader.truncated() ? ", the last event is cut short" : "");
   }
   return replay.finish(options);

@@ -10,8 +10,8 @@
 namespace scanlock {
 
 /// Calls work(begin, end) for consecutive chunks of [0, n), on up to `threads` threads.
-/// The chunks do not depend on `threads`, and `work` may only write to elements of its own chunk: so the result does not
-/// depend on `threads` either. `work` must not throw.
+/// The chunks do not depend on `threads`, and `work` may only write to elements of its own chunk: so the
+/// result does not depend on `threads` either. `work` must not throw.
 template <typename Work>
 void for_each_chunk(std::size_t n, std::size_t chunk_size, int threads, const Work& work) {
   const std::size_t chunks = (n + chunk_size - 1) / chunk_size;

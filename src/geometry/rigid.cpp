@@ -7,12 +7,14 @@
 namespace scanlock {
 namespace {
 
-// The coefficients below lose digits by cancellation where the angle is small; there the Taylor series takes over.
-// At kSeriesAngle the first dropped term is below 1e-16 of the sum.
+// The coefficients below lose digits by cancellation where the angle is small; there the Taylor series takes
+// over. At kSeriesAngle the first dropped term is below 1e-16 of the sum.
 constexpr double kSeriesAngle = 0.5;
 
 /// sin(t)/t
-double sinc(double t) { return std::abs(t) < 1e-8 ? 1.0 : std::sin(t) / t; }
+double sinc(double t) {
+  return std::abs(t) < 1e-8 ? 1.0 : std::sin(t) / t;
+}
 
 /// (1 - cos t) / t^2, without cancellation at any angle
 double one_minus_cos_over_square(double t) {

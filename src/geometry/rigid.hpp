@@ -19,8 +19,8 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 Eigen::Matrix3d hat(const Eigen::Vector3d& a);
 
 /// Exponential and logarithm of SO(3). exp is exact for every argument; log returns the rotation vector
-/// of length in [0, pi], accurate to rounding from 0 to pi (Zhang et al. appendix A is its judge in the tests;
-/// the authors' code returns 0 below 0.081 degrees, which is the usual motion between two scans).
+/// of length in [0, pi], accurate to rounding from 0 to pi (Zhang et al. appendix A is its judge in the
+/// tests; the authors' code returns 0 below 0.081 degrees, which is the usual motion between two scans).
 Eigen::Matrix3d so3_exp(const Eigen::Vector3d& phi);
 Eigen::Vector3d so3_log(const Eigen::Matrix3d& rotation);
 

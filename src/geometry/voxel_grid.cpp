@@ -48,15 +48,17 @@ bool locate(float x, float y, float z, float inverse_size, Voxel* voxel) {
 }
 
 std::uint64_t pack(const Voxel& v) {
-  return (static_cast<std::uint64_t>(v.ix + (1 << 20)) << 42) | (static_cast<std::uint64_t>(v.iy + (1 << 20)) << 21) |
-         static_cast<std::uint64_t>(v.iz + (1 << 20));
+  return (static_cast<std::uint64_t>(v.ix + (1 << 20)) << 42) |
+         (static_cast<std::uint64_t>(v.iy + (1 << 20)) << 21) | static_cast<std::uint64_t>(v.iz + (1 << 20));
 }
 
 /// Fibonacci hashing: only the high bits of the product depend on all bits of the key.
-std::size_t hash(std::uint64_t key) { return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 32); }
+std::size_t hash(std::uint64_t key) {
+  return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 32);
+}
 
-/// The best point of each voxel in an open-addressing table that grows with the voxels, not with the points: it stays in
-/// cache where most points share few voxels, which is what thinning is for.
+/// The best point of each voxel in an open-addressing table that grows with the voxels, not with the points:
+/// it stays in cache where most points share few voxels, which is what thinning is for.
 class VoxelTable {
  public:
   VoxelTable() : slots_(kFirstSlots) {}
@@ -77,12 +79,15 @@ class VoxelTable {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
     for (const Slot& slot : slots_) {
       if (slot.index == kEmpty) continue;
-      const auto coordinate = [&](int shift) { return static_cast<std::int32_t>((slot.key >> shift) & 0x1fffff) - (1 << 20); };
+      const auto coordinate = [&](int shift) {
+        return static_cast<std::int32_t>((slot.key >> shift) & 0x1fffff) - (1 << 20);
+      };
       order.emplace_back(morton_key(coordinate(42), coordinate(21), coordinate(0)), slot.index);
     }
     std::sort(order.begin(), order.end());
     std::vector<std::uint32_t> indices(order.size());
-    std::transform(order.begin(), order.end(), indices.begin(), [](const auto& entry) { return entry.second; });
+    std::transform(order.begin(), order.end(), indices.begin(),
+                   [](const auto& entry) { return entry.second; });
     return indices;
   }
 
@@ -130,7 +135,8 @@ std::vector<std::uint32_t> thin(const PointCloud& cloud, std::size_t n, float si
   Voxel voxel{};
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t index = index_at(i);
-    if (locate(cloud.x[index], cloud.y[index], cloud.z[index], inverse_size, &voxel)) table.offer(cloud, index, voxel);
+    if (locate(cloud.x[index], cloud.y[index], cloud.z[index], inverse_size, &voxel))
+      table.offer(cloud, index, voxel);
   }
   return table.collect();
 }
@@ -146,7 +152,8 @@ std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, float voxel) {
   return thin(cloud, cloud.size(), voxel, [](std::size_t i) { return static_cast<std::uint32_t>(i); });
 }
 
-std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, const std::vector<std::uint32_t>& subset, float voxel) {
+std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, const std::vector<std::uint32_t>& subset,
+                                         float voxel) {
   return thin(cloud, subset.size(), voxel, [&](std::size_t i) { return subset[i]; });
 }
 

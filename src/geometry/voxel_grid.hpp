@@ -13,14 +13,15 @@ namespace scanlock {
 /// The key is a Morton code: its order keeps neighbours in space near each other.
 std::uint64_t morton_key(std::int32_t ix, std::int32_t iy, std::int32_t iz);
 
-/// Thins a cloud to one point a voxel: of the points in a voxel the one nearest to its centre, ties going to the
-/// smallest (x, y, z). The answer is a set of indices into the cloud in Morton order of their voxels, and depends neither
-/// on the order of the points nor on what else is in the cloud. Points that are not finite, or more than 2^20 voxels from
-/// the origin, are left out. `voxel` in metres, > 0.
+/// Thins a cloud to one point a voxel: of the points in a voxel the one nearest to its centre, ties going to
+/// the smallest (x, y, z). The answer is a set of indices into the cloud in Morton order of their voxels, and
+/// depends neither on the order of the points nor on what else is in the cloud. Points that are not finite,
+/// or more than 2^20 voxels from the origin, are left out. `voxel` in metres, > 0.
 std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, float voxel);
 
 /// The same over a part of the cloud, given as indices.
-std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, const std::vector<std::uint32_t>& subset, float voxel);
+std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, const std::vector<std::uint32_t>& subset,
+                                         float voxel);
 
 /// The points at `indices`, with every attribute that the cloud has.
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& indices);

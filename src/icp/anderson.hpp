@@ -20,7 +20,8 @@ class AndersonAcceleration {
   /// Forgets the history.
   void reset() { count_ = 0; }
 
-  /// Takes an iterate and its image, and returns the accelerated next iterate; with no history that is the image itself.
+  /// Takes an iterate and its image, and returns the accelerated next iterate; with no history that is the
+  /// image itself.
   StateVector next(const StateVector& x, const StateVector& image);
 
  private:

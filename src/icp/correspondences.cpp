@@ -13,7 +13,8 @@ namespace scanlock {
 namespace {
 
 constexpr std::size_t kChunk = 256;
-// Searching somewhat beyond the gate buys room for points without a neighbour to move before they are searched again.
+// Searching somewhat beyond the gate buys room for points without a neighbour to move before they are
+// searched again.
 constexpr float kSearchBeyondGate = 1.5f;
 // Distances are floats: what they say is trusted only up to this share.
 constexpr float kRounding = 1e-5f;
@@ -35,7 +36,8 @@ bool Correspondences::answer_holds(const Memory& memory, float x, float y, float
 }
 
 void Correspondences::search(const Eigen::Vector3f& query, float radius, float gate, Memory* memory) const {
-  // The two points found last time bound the two distances sought now, so the search prunes from its first step.
+  // The two points found last time bound the two distances sought now, so the search prunes from its first
+  // step.
   float bound = radius;
   if (memory->second >= 0) {
     const float a = (target_->point(static_cast<std::size_t>(memory->nearest)) - query).norm();
@@ -54,8 +56,8 @@ void Correspondences::search(const Eigen::Vector3f& query, float radius, float g
   memory->margin = (count > 0 ? 0.5f * (d2 - d1) : radius - gate) - kRounding * d2;
 }
 
-void Correspondences::update(const std::vector<float>& x, const std::vector<float>& y, const std::vector<float>& z,
-                             float gate, int threads) {
+void Correspondences::update(const std::vector<float>& x, const std::vector<float>& y,
+                             const std::vector<float>& z, float gate, int threads) {
   const std::size_t n = memories_.size();
   // A wider gate than before makes "none within the radius" worthless; a narrower one only makes it stronger.
   if (gate > gate_) {

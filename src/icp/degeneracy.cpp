@@ -15,12 +15,14 @@ constexpr double kWeakRotation = 0.003;
 // A weak direction is charged to the body axes that make up most of it.
 constexpr double kShareOfAxis = 0.5;
 
-Eigen::Matrix3d schur(const Eigen::Matrix3d& kept, const Eigen::Matrix3d& coupling, const Eigen::Matrix3d& removed) {
+Eigen::Matrix3d schur(const Eigen::Matrix3d& kept, const Eigen::Matrix3d& coupling,
+                      const Eigen::Matrix3d& removed) {
   const Eigen::Matrix3d regular = removed + Eigen::Matrix3d::Identity() * (1e-9 * removed.trace() + 1e-300);
   return kept - coupling * regular.inverse() * coupling.transpose();
 }
 
-double examine(const Eigen::Matrix3d& block, double trace, double threshold, int first_bit, std::uint32_t* axes) {
+double examine(const Eigen::Matrix3d& block, double trace, double threshold, int first_bit,
+               std::uint32_t* axes) {
   if (!(trace > 0)) {
     *axes |= 7u << first_bit;
     return 0;
@@ -42,7 +44,8 @@ Degeneracy find_degeneracy(const Matrix6& information) {
   const Eigen::Matrix3d tr = information.topRightCorner<3, 3>();
   Degeneracy result;
   result.weakest_translation = examine(schur(tt, tr, rr), tt.trace(), kWeakTranslation, 0, &result.axes);
-  result.weakest_rotation = examine(schur(rr, tr.transpose(), tt), rr.trace(), kWeakRotation, 3, &result.axes);
+  result.weakest_rotation =
+      examine(schur(rr, tr.transpose(), tt), rr.trace(), kWeakRotation, 3, &result.axes);
   return result;
 }
 

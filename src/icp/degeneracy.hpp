@@ -8,14 +8,16 @@
 
 namespace scanlock {
 
-/// Which motions a scene leaves unobservable. From the Gauss-Newton matrix H = sum w j j^T of a point-to-plane alignment,
-/// j = [n; p x n] in the body frame: its translation and rotation blocks are decoupled by their Schur complements (a
-/// translation that a rotation can undo is not observed), and the eigenvalues of each are put over the block's trace, so
-/// that 1/3 is a scene of walls in all directions and 0 one that slides freely.
+/// Which motions a scene leaves unobservable. From the Gauss-Newton matrix H = sum w j j^T of a
+/// point-to-plane alignment, j = [n; p x n] in the body frame: its translation and rotation blocks are
+/// decoupled by their Schur complements (a translation that a rotation can undo is not observed), and the
+/// eigenvalues of each are put over the block's trace, so that 1/3 is a scene of walls in all directions and
+/// 0 one that slides freely.
 struct Degeneracy {
   double weakest_translation = 0;  ///< smallest eigenvalue over trace
   double weakest_rotation = 0;
-  std::uint32_t axes = 0;  ///< bit 0..2: translation along body x y z, 3..5: rotation about x y z; those nearest to a weak direction
+  std::uint32_t axes = 0;  ///< bit 0..2: translation along body x y z, 3..5: rotation about x y z; those
+                           ///< nearest to a weak direction
 };
 Degeneracy find_degeneracy(const Matrix6& information);
 

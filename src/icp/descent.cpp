@@ -35,7 +35,8 @@ DescentResult descend(DescentProblem& problem, const StateVector& start, const D
       energy = problem.evaluate(trial);
       ++result.evaluations;
     }
-    // A step of a few tolerances that does not descend has met the noise floor: correspondences flip back and forth there.
+    // A step of a few tolerances that does not descend has met the noise floor: correspondences flip back and
+    // forth there.
     const bool worth_searching = problem.distance(result.x, image) > kNoiseFloor * options.tolerance;
     const int line_search_steps = worth_searching ? options.max_line_search_steps : 0;
     double length = 1.0;

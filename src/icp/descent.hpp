@@ -36,11 +36,11 @@ struct DescentResult {
   bool converged = false;
 };
 
-/// The inner loop of algorithms 1 and 2 for one nu: Anderson acceleration, each step checked to descend. An accelerated
-/// step that does not is replaced by the plain one; where even that one does not (Gauss-Newton overshoots), a line search
-/// shortens it; when no length descends, x is a minimum to within rounding and the loop ends.
-/// Against the print: algorithm 2 keeps the best trial of a failed line search even when it is higher than E_prev,
-/// which loses monotony; here the energy never rises.
+/// The inner loop of algorithms 1 and 2 for one nu: Anderson acceleration, each step checked to descend. An
+/// accelerated step that does not is replaced by the plain one; where even that one does not (Gauss-Newton
+/// overshoots), a line search shortens it; when no length descends, x is a minimum to within rounding and the
+/// loop ends. Against the print: algorithm 2 keeps the best trial of a failed line search even when it is
+/// higher than E_prev, which loses monotony; here the energy never rises.
 DescentResult descend(DescentProblem& problem, const StateVector& start, const DescentOptions& options);
 
 }  // namespace scanlock

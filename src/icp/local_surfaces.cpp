@@ -17,7 +17,8 @@ Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int co
   Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
   const Eigen::Vector3f origin = cloud.point(static_cast<std::size_t>(neighbours[0].index));
   for (int k = 0; k < count; ++k) {
-    const Eigen::Vector3d p = (cloud.point(static_cast<std::size_t>(neighbours[k].index)) - origin).cast<double>();
+    const Eigen::Vector3d p =
+        (cloud.point(static_cast<std::size_t>(neighbours[k].index)) - origin).cast<double>();
     mean += p;
     moment += p * p.transpose();
   }

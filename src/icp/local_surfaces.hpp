@@ -19,20 +19,21 @@ struct Surface {
   float weight = 0;  ///< 0: no plane there, to 1: flat and spread in both directions
 };
 
-/// Surfaces of the points of a map, fitted when they are first asked for: a scan meets only a part of the map.
+/// Surfaces of the points of a map, fitted when they are first asked for: a scan meets only a part of the
+/// map.
 class LocalSurfaces {
  public:
   static constexpr int kNeighbours = 14;
 
-  /// Forgets all fits. Cloud and tree (of that cloud) must outlive this object's use; `radius`: neighbours farther than
-  /// this many metres do not count.
+  /// Forgets all fits. Cloud and tree (of that cloud) must outlive this object's use; `radius`: neighbours
+  /// farther than this many metres do not count.
   void reset(const PointCloud& cloud, const KdForest& tree, float radius);
 
   /// The cloud has grown at its end; the fits of what was there stay.
   void grow();
 
-  /// Fits what is missing among the points at `indices` (negative ones are skipped). The result does not depend on
-  /// `threads`.
+  /// Fits what is missing among the points at `indices` (negative ones are skipped). The result does not
+  /// depend on `threads`.
   void prepare(const std::vector<std::int32_t>& indices, int threads);
 
   /// The surface at a prepared point.
@@ -48,7 +49,8 @@ class LocalSurfaces {
 };
 
 /// Fits a surface to the given neighbours of `cloud`; weight 0 when there are fewer than five.
-/// The weight is the square of the planarity (sqrt(l2) - sqrt(l3)) / sqrt(l1) of the neighbourhood's covariance, l1 >= l2 >= l3.
+/// The weight is the square of the planarity (sqrt(l2) - sqrt(l3)) / sqrt(l1) of the neighbourhood's
+/// covariance, l1 >= l2 >= l3.
 Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count);
 
 }  // namespace scanlock

@@ -38,14 +38,15 @@ struct ScanAligner::Workspace final : DescentProblem {
   ScanMotion motion;
   Correspondences correspondences;
   double nu = 1.0;
-  double duration = 0.1;   // seconds: makes a velocity a displacement
-  double arm = 10.0;       // metres: makes a rotation the motion of a typical point
+  double duration = 0.1;  // seconds: makes a velocity a displacement
+  double arm = 10.0;      // metres: makes a rotation the motion of a typical point
   Vector6 x = Vector6::Zero(), twist = Vector6::Zero();
-  std::vector<float> wx, wy, wz;        // source in the target frame
+  std::vector<float> wx, wy, wz;          // source in the target frame
   std::vector<float> residuals, weights;  // per source point; NaN and 0 without a surface
   int matched = 0;
 
-  void begin(const PointCloud& cloud, const AlignmentTarget& to, const MotionPrior& from, const ScanAlignmentOptions& with) {
+  void begin(const PointCloud& cloud, const AlignmentTarget& to, const MotionPrior& from,
+             const ScanAlignmentOptions& with) {
     source = &cloud;
     target = &to;
     prior = &from;
@@ -54,7 +55,8 @@ struct ScanAligner::Workspace final : DescentProblem {
     motion.set_times(cloud.time);
     correspondences.reset(to.cloud, to.tree, n);
     for (std::vector<float>* values : {&wx, &wy, &wz, &residuals, &weights}) values->resize(n);
-    duration = motion.still() ? 0.1 : std::max(motion.knot_time(ScanMotion::kKnots) - motion.knot_time(0), 1e-3);
+    duration =
+        motion.still() ? 0.1 : std::max(motion.knot_time(ScanMotion::kKnots) - motion.knot_time(0), 1e-3);
     double sum = 0;
     for (std::size_t i = 0; i < n; ++i) sum += cloud.point(i).norm();
     arm = n > 0 ? std::max(sum / static_cast<double>(n), 0.1) : 1.0;
@@ -100,7 +102,8 @@ struct ScanAligner::Workspace final : DescentProblem {
       const float dx = wx[i] - cloud.x[q], dy = wy[i] - cloud.y[q], dz = wz[i] - cloud.z[q];
       const Surface& surface = target->surfaces.at(indices[i]);
       if (surface.weight <= 0 || dx * dx + dy * dy + dz * dz > squared_gate) continue;
-      const float r = surface.normal.x() * wx[i] + surface.normal.y() * wy[i] + surface.normal.z() * wz[i] - surface.offset;
+      const float r = surface.normal.x() * wx[i] + surface.normal.y() * wy[i] + surface.normal.z() * wz[i] -
+                      surface.offset;
       residuals[i] = r;
       weights[i] = surface.weight;
       explained += surface.weight * welsch_weight(static_cast<double>(r) * r, nu);
@@ -111,9 +114,12 @@ struct ScanAligner::Workspace final : DescentProblem {
            prior_weight() * 0.5 * e.dot(prior->information * e);
   }
 
-  /// Of the prior against a weight of 1 a source point. It does not change with nu: at the upper scales residuals are not
-  /// noise but misalignment, and a direction that the scene hardly fixes would slide before the others have settled.
-  double prior_weight() const { return options->sigma * options->sigma / (options->nu_min * options->nu_min); }
+  /// Of the prior against a weight of 1 a source point. It does not change with nu: at the upper scales
+  /// residuals are not noise but misalignment, and a direction that the scene hardly fixes would slide before
+  /// the others have settled.
+  double prior_weight() const {
+    return options->sigma * options->sigma / (options->nu_min * options->nu_min);
+  }
 
   Vector12 prior_error() const {
     Vector12 e;
@@ -196,8 +202,8 @@ ScanAligner::~ScanAligner() = default;
 ScanAligner::ScanAligner(ScanAligner&&) noexcept = default;
 ScanAligner& ScanAligner::operator=(ScanAligner&&) noexcept = default;
 
-ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget& target, const MotionPrior& prior,
-                                 const ScanAlignmentOptions& options) {
+ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget& target,
+                                 const MotionPrior& prior, const ScanAlignmentOptions& options) {
   Workspace& work = *workspace_;
   work.begin(source, target, prior, options);
   StateVector x = StateVector::Zero(12);
@@ -233,8 +239,12 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
   return result;
 }
 
-const std::vector<float>& ScanAligner::residuals() const { return workspace_->residuals; }
-const std::vector<float>& ScanAligner::weights() const { return workspace_->weights; }
+const std::vector<float>& ScanAligner::residuals() const {
+  return workspace_->residuals;
+}
+const std::vector<float>& ScanAligner::weights() const {
+  return workspace_->weights;
+}
 
 PointCloud deskewed(const PointCloud& points, const Vector6& twist) {
   PointCloud result = points;

@@ -15,7 +15,8 @@ namespace scanlock {
 
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
-/// A pose and its velocity: during a scan the body moves as pose * exp(t * twist), t in seconds from the stamp.
+/// A pose and its velocity: during a scan the body moves as pose * exp(t * twist), t in seconds from the
+/// stamp.
 struct MovingPose {
   Pose pose = Pose::Identity();     ///< target_from_body at the stamp
   Vector6 twist = Vector6::Zero();  ///< body velocity [m/s; rad/s]
@@ -36,30 +37,34 @@ struct AlignmentTarget {
 };
 
 struct ScanAlignmentOptions {
-  double nu_min = 0.05;      ///< metres, the last scale of the Welsch kernel
-  double nu_max = 1.0;       ///< metres, an upper bound of the first scale, which is three times the median residual
-  double gate_margin = 0.5;  ///< metres: a source point pairs with a target point nearer than 3 nu + gate_margin
-  double sigma = 0.1;        ///< metres: standard deviation of a residual against the prior, its correlations counted in
-  int max_iterations = 12;   ///< at the last scale; earlier ones get a third
-  double tolerance = 5e-4;   ///< metres, of the motion of the scan's points
+  double nu_min = 0.05;  ///< metres, the last scale of the Welsch kernel
+  double nu_max =
+      1.0;  ///< metres, an upper bound of the first scale, which is three times the median residual
+  double gate_margin =
+      0.5;  ///< metres: a source point pairs with a target point nearer than 3 nu + gate_margin
+  double sigma =
+      0.1;  ///< metres: standard deviation of a residual against the prior, its correlations counted in
+  int max_iterations = 12;  ///< at the last scale; earlier ones get a third
+  double tolerance = 5e-4;  ///< metres, of the motion of the scan's points
   int anderson_window = 5;
   int threads = 1;
 };
 
 struct ScanAlignment {
   MovingPose moving;
-  Matrix12 information = Matrix12::Zero();  ///< of the data alone, order and frame as in MotionPrior, unit residual variance
+  Matrix12 information =
+      Matrix12::Zero();  ///< of the data alone, order and frame as in MotionPrior, unit residual variance
   int iterations = 0, evaluations = 0;
   bool converged = false;
-  int matched = 0;              ///< source points within the gate of a surface
-  double median_residual = 0;   ///< metres, of the matched ones
+  int matched = 0;             ///< source points within the gate of a surface
+  double median_residual = 0;  ///< metres, of the matched ones
   std::int64_t searches_made = 0, searches_saved = 0;
 };
 
-/// Robust point-to-plane ICP (algorithm 2) with two extensions: the unknown is the pose at the stamp *and* the velocity, so
-/// that the motion within the scan is solved and not only predicted, and a Gaussian prior joins them to the past. The
-/// energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2) e^T information e / 2, with s_i the weight of the surface
-/// (0 where there is none), r_i the distance to it.
+/// Robust point-to-plane ICP (algorithm 2) with two extensions: the unknown is the pose at the stamp *and*
+/// the velocity, so that the motion within the scan is solved and not only predicted, and a Gaussian prior
+/// joins them to the past. The energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2) e^T
+/// information e / 2, with s_i the weight of the surface (0 where there is none), r_i the distance to it.
 class ScanAligner {
  public:
   ScanAligner();
@@ -67,7 +72,8 @@ class ScanAligner {
   ScanAligner(ScanAligner&&) noexcept;
   ScanAligner& operator=(ScanAligner&&) noexcept;
 
-  /// `source`: points in the body frame, with or without times. Without times all are taken to be seen at the stamp.
+  /// `source`: points in the body frame, with or without times. Without times all are taken to be seen at the
+  /// stamp.
   ScanAlignment align(const PointCloud& source, const AlignmentTarget& target, const MotionPrior& prior,
                       const ScanAlignmentOptions& options);
 

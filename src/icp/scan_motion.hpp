@@ -10,8 +10,8 @@
 
 namespace scanlock {
 
-/// exp(t * twist) for the times of a scan: exact at kKnots + 1 instants, linear in between. At 180 deg/s over 0.1 s the
-/// linear part is wrong by 1e-5 rad at most.
+/// exp(t * twist) for the times of a scan: exact at kKnots + 1 instants, linear in between. At 180 deg/s over
+/// 0.1 s the linear part is wrong by 1e-5 rad at most.
 class ScanMotion {
  public:
   static constexpr int kKnots = 32;
@@ -20,11 +20,13 @@ class ScanMotion {
   void set_times(const std::vector<float>& times);
   void set_twist(const Vector6& twist);
 
-  bool still() const { return still_; }               ///< no times: every point is at the stamp
+  bool still() const { return still_; }  ///< no times: every point is at the stamp
   double knot_time(int knot) const { return first_ + knot * step_; }
   const Pose& knot_pose(int knot) const { return poses_[static_cast<std::size_t>(knot)]; }
   /// The knot nearest to a point's time.
-  int nearest_knot(std::size_t point) const { return still_ ? 0 : knots_[point] + (fractions_[point] > 0.5f ? 1 : 0); }
+  int nearest_knot(std::size_t point) const {
+    return still_ ? 0 : knots_[point] + (fractions_[point] > 0.5f ? 1 : 0);
+  }
 
   /// The point `i` with body coordinates p at its own time, in the body frame at the stamp.
   Eigen::Vector3f at_stamp(std::size_t i, const Eigen::Vector3f& p) const {

@@ -10,8 +10,8 @@
 namespace scanlock {
 namespace {
 
-/// Energies of good alignments differ by so much from one corner of a scene to the next: a smaller spread in the history
-/// is luck, not knowledge.
+/// Energies of good alignments differ by so much from one corner of a scene to the next: a smaller spread in
+/// the history is luck, not knowledge.
 constexpr double kLeastSpread = 0.03;
 
 double median(std::vector<double> values) {
@@ -22,7 +22,8 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vector<float>& weights, double scale) const {
+Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vector<float>& weights,
+                             double scale) const {
   Health health;
   double weight_sum = 0, cost = 0;
   std::size_t matched = 0;
@@ -35,9 +36,11 @@ Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vec
     if (squared < 9.0 * scale * scale) ++health.inliers;
   }
   if (weight_sum > 0) health.energy = cost / weight_sum;
-  if (!residuals.empty()) health.overlap = static_cast<double>(matched) / static_cast<double>(residuals.size());
+  if (!residuals.empty())
+    health.overlap = static_cast<double>(matched) / static_cast<double>(residuals.size());
   if (count_ > 0) {
-    std::vector<double> recent(history_.begin(), history_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, kHistory)));
+    std::vector<double> recent(history_.begin(),
+                               history_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, kHistory)));
     health.baseline = median(recent);
     for (double& energy : recent) energy = std::abs(energy - health.baseline);
     const double spread = std::max(1.4826 * median(recent), kLeastSpread);
@@ -46,6 +49,8 @@ Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vec
   return health;
 }
 
-void HealthMonitor::remember(double energy) { history_[count_++ % kHistory] = energy; }
+void HealthMonitor::remember(double energy) {
+  history_[count_++ % kHistory] = energy;
+}
 
 }  // namespace scanlock

@@ -10,16 +10,17 @@ namespace scanlock {
 
 /// How well an alignment explains its scan, against how well alignments did lately.
 struct Health {
-  double energy = 1;    ///< weighted mean of Welsch's function of the residuals at a fixed scale, 0 (perfect) to 1
+  double energy =
+      1;  ///< weighted mean of Welsch's function of the residuals at a fixed scale, 0 (perfect) to 1
   double overlap = 0;   ///< share of the source points that met a surface
   double baseline = 0;  ///< median of the recent energies
   double score = 0;     ///< robust z-score of the energy against them
   int inliers = 0;      ///< source points within three scales of their surface
 };
 
-/// The normalised energy and its recent history. A scan of a known place costs about what the scans before it cost, however
-/// fast the robot goes; a scan of another place, wherever ICP has slid it, costs more. (A guard in metres fails on fast
-/// roads, and overlap alone lies in both directions.)
+/// The normalised energy and its recent history. A scan of a known place costs about what the scans before it
+/// cost, however fast the robot goes; a scan of another place, wherever ICP has slid it, costs more. (A guard
+/// in metres fails on fast roads, and overlap alone lies in both directions.)
 class HealthMonitor {
  public:
   /// `scale`: metres, fixed while the sensor and the scene stay what they are.

@@ -13,11 +13,12 @@ namespace scanlock {
 namespace {
 
 constexpr std::size_t kLeastFresh = 4000;  // points: a tree of so few is built in half a millisecond
-constexpr double kOriginReach = 200.0;  // metres: at this distance a float still resolves 15 micrometres
+constexpr double kOriginReach = 200.0;     // metres: at this distance a float still resolves 15 micrometres
 
 std::uint64_t voxel_key(const Eigen::Vector3f& p, float inverse_voxel) {
   const Eigen::Vector3f v = (p * inverse_voxel).array().floor();
-  return morton_key(static_cast<std::int32_t>(v.x()), static_cast<std::int32_t>(v.y()), static_cast<std::int32_t>(v.z()));
+  return morton_key(static_cast<std::int32_t>(v.x()), static_cast<std::int32_t>(v.y()),
+                    static_cast<std::int32_t>(v.z()));
 }
 
 }  // namespace
@@ -95,7 +96,8 @@ void LocalMap::forget(const Eigen::Vector3d& here) {
 }
 
 void LocalMap::move_origin(const Eigen::Vector3d& here) {
-  // Whole metres, so that the shift is exact in floats for points near the robot, and voxels of the map stay in step.
+  // Whole metres, so that the shift is exact in floats for points near the robot, and voxels of the map stay
+  // in step.
   const Eigen::Vector3d origin = here.array().round();
   const Eigen::Vector3f shift = (origin_ - origin).cast<float>();
   origin_ = origin;

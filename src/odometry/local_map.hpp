@@ -27,17 +27,17 @@ struct LocalMapLimits {
   double max_distance = 100;  ///< metres from the robot at which a keyframe is forgotten
 };
 
-/// A sliding window of keyframes and their union, thinned to one point a voxel, the oldest point first (the map then
-/// does not creep along with what is measured against it). Coordinates are floats relative to `origin()`, which follows
-/// the robot; axes are those of the map frame.
+/// A sliding window of keyframes and their union, thinned to one point a voxel, the oldest point first (the
+/// map then does not creep along with what is measured against it). Coordinates are floats relative to
+/// `origin()`, which follows the robot; axes are those of the map frame.
 class LocalMap {
  public:
   explicit LocalMap(const LocalMapLimits& limits);
   LocalMap(const LocalMap&) = delete;  // the surfaces point into cloud and tree
   LocalMap& operator=(const LocalMap&) = delete;
 
-  /// Adds a keyframe at its pose. New points are indexed at once; forgetting old ones, and one index of all, wait until
-  /// it is worth it. `voxel` in metres.
+  /// Adds a keyframe at its pose. New points are indexed at once; forgetting old ones, and one index of all,
+  /// wait until it is worth it. `voxel` in metres.
   void insert(Keyframe keyframe, double voxel);
   void clear();
 

@@ -6,11 +6,13 @@
 
 namespace scanlock {
 
-/// The motion between scans: constant body velocity, disturbed by white noise on the acceleration. It gives each scan
-/// its prior over the *real* time since the last one, so that a gap in the data is bridged and not skipped.
+/// The motion between scans: constant body velocity, disturbed by white noise on the acceleration. It gives
+/// each scan its prior over the *real* time since the last one, so that a gap in the data is bridged and not
+/// skipped.
 class MotionFilter {
  public:
-  /// Accelerations that the robot may well reach, m/s^2 and rad/s^2; one that lasts `kManoeuvre` seconds is one sigma.
+  /// Accelerations that the robot may well reach, m/s^2 and rad/s^2; one that lasts `kManoeuvre` seconds is
+  /// one sigma.
   MotionFilter(double acceleration, double angular_acceleration);
 
   /// At rest at `pose`, the velocity unknown.
@@ -32,7 +34,8 @@ class MotionFilter {
 
  private:
   static constexpr double kManoeuvre = 0.3;
-  double linear_density_, angular_density_;  ///< power spectral densities of the white noise, m^2/s^3 and rad^2/s^3
+  double linear_density_,
+      angular_density_;  ///< power spectral densities of the white noise, m^2/s^3 and rad^2/s^3
   MovingPose state_;
   Matrix12 covariance_ = Matrix12::Identity();
 };

@@ -12,11 +12,12 @@
 namespace scanlock {
 namespace {
 
-/// The source is thinned to this many map voxels: the coarsest that still leaves enough points. Coarse is good where there
-/// are many, for it weighs the far and sparse, which fix the rotation, like the near and dense.
+/// The source is thinned to this many map voxels: the coarsest that still leaves enough points. Coarse is
+/// good where there are many, for it weighs the far and sparse, which fix the rotation, like the near and
+/// dense.
 constexpr float kSourceVoxels[] = {2.0f, 1.41f, 1.0f};
 
-constexpr double kVoxelPerRange = 0.045;  // the first guess, before a count is known
+constexpr double kVoxelPerRange = 0.045;     // the first guess, before a count is known
 constexpr double kStep = 1.189207115002721;  // 2^(1/4)
 constexpr double kPointsPerVoxel = 3.0;
 constexpr double kBand = 1.3;
@@ -56,7 +57,8 @@ class RangeHistogram {
 
 CroppedScan crop(const PointCloud& points, double min_range, double max_range) {
   CroppedScan result;
-  const float least = static_cast<float>(min_range * min_range), greatest = static_cast<float>(max_range * max_range);
+  const float least = static_cast<float>(min_range * min_range),
+              greatest = static_cast<float>(max_range * max_range);
   RangeHistogram histogram;
   result.indices.resize(points.size());
   std::size_t kept = 0;
@@ -76,7 +78,8 @@ VoxelScale::VoxelScale(int wanted, double min_voxel, double max_voxel)
 
 double VoxelScale::current(double median_range) {
   if (voxel_ == 0 && median_range > 0) {
-    voxel_ = std::clamp(std::exp2(std::round(4.0 * std::log2(kVoxelPerRange * median_range)) / 4.0), min_voxel_, max_voxel_);
+    voxel_ = std::clamp(std::exp2(std::round(4.0 * std::log2(kVoxelPerRange * median_range)) / 4.0),
+                        min_voxel_, max_voxel_);
   }
   return voxel_ > 0 ? voxel_ : max_voxel_;
 }
@@ -86,7 +89,8 @@ bool VoxelScale::adapt(std::size_t thinned, std::size_t cropped) {
   // A voxel smaller than a few points of a scan is no thinning, and its surfaces are made of noise.
   const double wanted = std::min(wanted_, static_cast<double>(cropped) / kPointsPerVoxel);
   const double count = static_cast<double>(thinned), before = voxel_;
-  // Counts go like 1/v^2 on surfaces, so by 1.41 a step; the band from one edge to the other is wider than that.
+  // Counts go like 1/v^2 on surfaces, so by 1.41 a step; the band from one edge to the other is wider than
+  // that.
   if (count > kBand * wanted) voxel_ *= kStep;
   if (count * kBand < wanted) voxel_ /= kStep;
   voxel_ = std::clamp(voxel_, min_voxel_, max_voxel_);

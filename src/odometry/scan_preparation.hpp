@@ -9,16 +9,17 @@
 
 namespace scanlock {
 
-/// The points of a scan that are finite and within [min_range, max_range] metres, as indices, and how large the scene is.
+/// The points of a scan that are finite and within [min_range, max_range] metres, as indices, and how large
+/// the scene is.
 struct CroppedScan {
   std::vector<std::uint32_t> indices;
   double median_range = 0;  ///< metres, to about 3 %; 0 without points
 };
 CroppedScan crop(const PointCloud& points, double min_range, double max_range);
 
-/// The voxel size of the map, in steps of sqrt(2) and with hysteresis, so that it changes seldom: the one that leaves about
-/// `wanted` points of a scan. It follows the size of the scene and the density of the sensor alike, and makes the work on
-/// a scan about constant.
+/// The voxel size of the map, in steps of sqrt(2) and with hysteresis, so that it changes seldom: the one
+/// that leaves about `wanted` points of a scan. It follows the size of the scene and the density of the
+/// sensor alike, and makes the work on a scan about constant.
 class VoxelScale {
  public:
   /// Sizes in metres.
@@ -35,9 +36,9 @@ class VoxelScale {
 
 /// A scan thinned to what the odometry works on; body frame, times kept.
 struct PreparedScan {
-  PointCloud fine;    ///< one point a map voxel: becomes the keyframe
-  PointCloud source;  ///< a coarser part of it: is aligned
-  double voxel = 0;   ///< metres, of `fine`
+  PointCloud fine;          ///< one point a map voxel: becomes the keyframe
+  PointCloud source;        ///< a coarser part of it: is aligned
+  double voxel = 0;         ///< metres, of `fine`
   double median_range = 0;  ///< metres
 };
 PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, VoxelScale* scale, bool first,

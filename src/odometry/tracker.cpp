@@ -19,24 +19,26 @@ namespace {
 constexpr double kMicro = 1e-6;
 constexpr std::size_t kLeastPoints = 30;  // fewer cannot fix six numbers against outliers
 
-/// A residual's variance as the filter sees it: neighbouring residuals share the error of their surface, so a scan of
-/// thousands of points knows less than as many independent measurements.
+/// A residual's variance as the filter sees it: neighbouring residuals share the error of their surface, so a
+/// scan of thousands of points knows less than as many independent measurements.
 constexpr double kVarianceInflation = 10;
-/// Kernels and gates are this share of the median range, where the voxel is smaller: how far a prediction is off
-/// depends on the scene and the motion, not on the density of the sensor.
+/// Kernels and gates are this share of the median range, where the voxel is smaller: how far a prediction is
+/// off depends on the scene and the motion, not on the density of the sensor.
 constexpr double kReach = 0.04;
 constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is better
 constexpr double kFirstSigma = 0.03;
 constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on Gaussian residuals
 
-// Trust in an alignment. The score of good ones stays below 5 in streets and rooms; a kidnap gives 10 and more.
+// Trust in an alignment. The score of good ones stays below 5 in streets and rooms; a kidnap gives 10 and
+// more.
 constexpr double kJumpScore = 6.0;
-constexpr double kCalmScore = 4.0;        // hysteresis: what a lost tracker must get below
+constexpr double kCalmScore = 4.0;  // hysteresis: what a lost tracker must get below
 constexpr double kLeastOverlap = 0.25;
-constexpr double kMostEnergy = 0.55;      // whatever the history says
-constexpr int kCalmScans = 2;             // in a row, before a lost tracker is believed again
-constexpr int kQuietScans = 5;            // after that, before the map may grow
-constexpr double kCoastSeconds = 3.0;     // a lost robot is predicted at its last velocity for so long, then as standing
+constexpr double kMostEnergy = 0.55;  // whatever the history says
+constexpr int kCalmScans = 2;         // in a row, before a lost tracker is believed again
+constexpr int kQuietScans = 5;        // after that, before the map may grow
+constexpr double kCoastSeconds =
+    3.0;  // a lost robot is predicted at its last velocity for so long, then as standing
 
 struct Attempt {
   ScanAlignment alignment;
@@ -83,7 +85,8 @@ struct Tracker::State {
 
   bool lost() const { return state == TrackingState::kLost; }
 
-  // ---- alignment ----------------------------------------------------------------------------------------------
+  // ---- alignment
+  // ----------------------------------------------------------------------------------------------
 
   ScanAlignmentOptions options(double reach, bool wide) const {
     ScanAlignmentOptions result;
@@ -100,7 +103,8 @@ struct Tracker::State {
     attempt.prior = prior;
     MotionPrior local = prior;  // coordinates of the map are relative to its origin
     local.mean.pose.translation() -= map.origin();
-    attempt.alignment = aligner.align(scan.source, map.target(), local, options(std::max(scan.voxel, kReach * scan.median_range), wide));
+    attempt.alignment = aligner.align(scan.source, map.target(), local,
+                                      options(std::max(scan.voxel, kReach * scan.median_range), wide));
     attempt.alignment.moving.pose.translation() += map.origin();
     attempt.health = health.assess(aligner.residuals(), aligner.weights(), kKernel * sigma);
     return attempt;
@@ -110,12 +114,13 @@ struct Tracker::State {
 
   bool trusted(const Attempt& attempt) const {
     const Health& h = attempt.health;
-    return attempt.alignment.moving.pose.matrix().allFinite() && h.score < (lost() ? kCalmScore : kJumpScore) &&
-           h.energy < kMostEnergy && h.overlap > kLeastOverlap && h.inliers >= static_cast<int>(kLeastPoints);
+    return attempt.alignment.moving.pose.matrix().allFinite() &&
+           h.score < (lost() ? kCalmScore : kJumpScore) && h.energy < kMostEnergy &&
+           h.overlap > kLeastOverlap && h.inliers >= static_cast<int>(kLeastPoints);
   }
 
-  /// The prior is strong where the robot does what it did; where that does not explain the scan, it is let go and a
-  /// wider kernel tried, from the prediction and from where the robot was last seen.
+  /// The prior is strong where the robot does what it did; where that does not explain the scan, it is let go
+  /// and a wider kernel tried, from the prediction and from where the robot was last seen.
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
     Attempt best = align(scan, prior, false);
     if (trusted(best)) return best;
@@ -130,7 +135,8 @@ struct Tracker::State {
     return best;
   }
 
-  // ---- map ----------------------------------------------------------------------------------------------------
+  // ---- map
+  // ----------------------------------------------------------------------------------------------------
 
   void insert_keyframe(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving) {
     Keyframe keyframe;
@@ -148,7 +154,8 @@ struct Tracker::State {
     return distance > 3.0 * voxel || angle > 0.15 || new_ground;
   }
 
-  // ---- the ways a scan can go -----------------------------------------------------------------------------------
+  // ---- the ways a scan can go
+  // -----------------------------------------------------------------------------------
 
   void start(const Scan& scan, const PreparedScan& prepared) {
     filter.start(Pose::Identity());
@@ -158,7 +165,8 @@ struct Tracker::State {
     last_trusted_utime = scan.utime;
   }
 
-  /// The first scan could not be deskewed before its velocity was known: does it now, and aligns the second one again.
+  /// The first scan could not be deskewed before its velocity was known: does it now, and aligns the second
+  /// one again.
   Attempt deskew_first(const PreparedScan& prepared, Attempt attempt) {
     PreparedScan again;
     again.fine = std::move(first.points);
@@ -190,7 +198,8 @@ struct Tracker::State {
   /// Nothing was learnt: the prediction stands in, and is not believed for long.
   void coast(const Scan& scan, const MotionPrior& prior) {
     MotionPrior coasting = prior;
-    if (static_cast<double>(scan.utime - last_trusted_utime) * kMicro > kCoastSeconds) coasting.mean.twist.setZero();
+    if (static_cast<double>(scan.utime - last_trusted_utime) * kMicro > kCoastSeconds)
+      coasting.mean.twist.setZero();
     filter.coast(coasting);
     calm_scans = 0;
     ++distrusted_scans;
@@ -230,7 +239,8 @@ TrackedScan Tracker::track(const Scan& scan) {
   State& s = *state_;
 
   const CroppedScan cropped = crop(scan.points, s.config.min_range_m, s.config.max_range_m);
-  const PreparedScan prepared = thin_scan(scan.points, cropped, &s.scale, s.map.empty(), s.config.max_source_points);
+  const PreparedScan prepared =
+      thin_scan(scan.points, cropped, &s.scale, s.map.empty(), s.config.max_source_points);
   tracked.points_used = static_cast<int>(prepared.source.size());
   s.finished(Stage::kPreprocess);
   const bool seen = prepared.source.size() >= kLeastPoints;
@@ -266,7 +276,7 @@ TrackedScan Tracker::track(const Scan& scan) {
   }
   s.report(&tracked);
   tracked.method = trusted ? PoseMethod::kIcp : PoseMethod::kPredicted;
-  tracked.stop_reason = !trusted                        ? StopReason::kDiverged
+  tracked.stop_reason = !trusted                      ? StopReason::kDiverged
                         : attempt.alignment.converged ? StopReason::kConverged
                                                       : StopReason::kIterations;
   tracked.iterations = attempt.alignment.iterations;
@@ -275,7 +285,8 @@ TrackedScan Tracker::track(const Scan& scan) {
   tracked.energy_baseline = attempt.health.baseline;
   tracked.energy_score = attempt.health.score;
   tracked.degenerate_axes = find_degeneracy(attempt.alignment.information.topLeftCorner<6, 6>()).axes;
-  if (tracked.degenerate_axes != 0 && tracked.state == TrackingState::kTracking) tracked.state = TrackingState::kDegraded;
+  if (tracked.degenerate_axes != 0 && tracked.state == TrackingState::kTracking)
+    tracked.state = TrackingState::kDegraded;
 
   if (s.state == TrackingState::kTracking) {
     if (s.quiet_scans_left > 0) {
@@ -288,7 +299,9 @@ TrackedScan Tracker::track(const Scan& scan) {
   return tracked;
 }
 
-void Tracker::set_stage_observer(std::function<void(Stage)> observer) { state_->observer = std::move(observer); }
+void Tracker::set_stage_observer(std::function<void(Stage)> observer) {
+  state_->observer = std::move(observer);
+}
 
 void Tracker::reset() {
   auto fresh = std::make_unique<State>(state_->config);
@@ -297,47 +310,68 @@ void Tracker::reset() {
   state_ = std::move(fresh);
 }
 
-PointCloud Tracker::map() const { return state_->map.snapshot(); }
+PointCloud Tracker::map() const {
+  return state_->map.snapshot();
+}
 
 const char* to_string(TrackingState state) {
   switch (state) {
-    case TrackingState::kInitialising: return "INITIALISING";
-    case TrackingState::kTracking: return "TRACKING";
-    case TrackingState::kDegraded: return "DEGRADED";
-    case TrackingState::kRecovering: return "RECOVERING";
-    case TrackingState::kAmbiguous: return "AMBIGUOUS";
-    case TrackingState::kLost: return "LOST";
+    case TrackingState::kInitialising:
+      return "INITIALISING";
+    case TrackingState::kTracking:
+      return "TRACKING";
+    case TrackingState::kDegraded:
+      return "DEGRADED";
+    case TrackingState::kRecovering:
+      return "RECOVERING";
+    case TrackingState::kAmbiguous:
+      return "AMBIGUOUS";
+    case TrackingState::kLost:
+      return "LOST";
   }
   return "?";
 }
 
 const char* to_string(PoseMethod method) {
   switch (method) {
-    case PoseMethod::kNone: return "none";
-    case PoseMethod::kIcp: return "icp";
-    case PoseMethod::kGlobal: return "global";
-    case PoseMethod::kPredicted: return "predicted";
+    case PoseMethod::kNone:
+      return "none";
+    case PoseMethod::kIcp:
+      return "icp";
+    case PoseMethod::kGlobal:
+      return "global";
+    case PoseMethod::kPredicted:
+      return "predicted";
   }
   return "?";
 }
 
 const char* to_string(StopReason reason) {
   switch (reason) {
-    case StopReason::kNone: return "none";
-    case StopReason::kConverged: return "converged";
-    case StopReason::kIterations: return "iteration limit";
-    case StopReason::kTooFewPoints: return "too few points";
-    case StopReason::kDiverged: return "diverged";
+    case StopReason::kNone:
+      return "none";
+    case StopReason::kConverged:
+      return "converged";
+    case StopReason::kIterations:
+      return "iteration limit";
+    case StopReason::kTooFewPoints:
+      return "too few points";
+    case StopReason::kDiverged:
+      return "diverged";
   }
   return "?";
 }
 
 const char* to_string(ScanVerdict verdict) {
   switch (verdict) {
-    case ScanVerdict::kTracked: return "tracked";
-    case ScanVerdict::kEmpty: return "empty";
-    case ScanVerdict::kDuplicateTime: return "duplicate utime";
-    case ScanVerdict::kBackwardTime: return "backward utime";
+    case ScanVerdict::kTracked:
+      return "tracked";
+    case ScanVerdict::kEmpty:
+      return "empty";
+    case ScanVerdict::kDuplicateTime:
+      return "duplicate utime";
+    case ScanVerdict::kBackwardTime:
+      return "backward utime";
   }
   return "?";
 }

@@ -6,14 +6,16 @@
 
 namespace scanlock {
 
-/// Everything about the odometry that can be set. The defaults serve a car and a room alike: lengths that depend on the
-/// scene follow its size. `daemon/config.cpp` lists every member with its unit, range and one line of explanation.
+/// Everything about the odometry that can be set. The defaults serve a car and a room alike: lengths that
+/// depend on the scene follow its size. `daemon/config.cpp` lists every member with its unit, range and one
+/// line of explanation.
 struct TrackerConfig {
   double min_range_m = 0.5;    ///< returns nearer than this are the robot itself
   double max_range_m = 120.0;  ///< returns farther than this are dropped
   int threads = 1;             ///< worker threads of one alignment; the result does not depend on it
 
-  int map_points_per_scan = 14000;  ///< the voxel of the map is chosen to leave about so many points of a scan
+  int map_points_per_scan =
+      14000;  ///< the voxel of the map is chosen to leave about so many points of a scan
   double min_voxel_m = 0.05;
   double max_voxel_m = 1.0;
   int max_source_points = 2500;  ///< points of a scan that are aligned
@@ -23,7 +25,8 @@ struct TrackerConfig {
 
   int max_keyframes = 60;
   int max_map_points = 200000;
-  double restart_after_s = 1.0;  ///< a scan earlier than its predecessor by more than this starts anew (a log that loops)
+  double restart_after_s =
+      1.0;  ///< a scan earlier than its predecessor by more than this starts anew (a log that loops)
 };
 
 }  // namespace scanlock

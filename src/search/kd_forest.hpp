@@ -10,8 +10,9 @@
 
 namespace scanlock {
 
-/// Exact nearest neighbours in a cloud that grows: FLANN's single tree cannot take points, so what is new goes into a
-/// small tree of its own until it is worth building one of all. A search runs through the trees with one bound.
+/// Exact nearest neighbours in a cloud that grows: FLANN's single tree cannot take points, so what is new
+/// goes into a small tree of its own until it is worth building one of all. A search runs through the trees
+/// with one bound.
 class KdForest {
  public:
   /// Trees over the first `old_points` of the cloud and over the rest.

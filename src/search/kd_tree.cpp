@@ -28,7 +28,8 @@ struct SquaredDistance3 {
   }
 };
 
-/// The k nearest so far, sorted; starts from a bound that is already known, so that the search prunes from its first step.
+/// The k nearest so far, sorted; starts from a bound that is already known, so that the search prunes from
+/// its first step.
 class BoundedNearest final : public flann::ResultSet<float> {
  public:
   BoundedNearest(Neighbour* out, int capacity, int count, float squared_bound, const std::int32_t* original)
@@ -87,7 +88,8 @@ KdTree::KdTree(const PointCloud& cloud, std::size_t begin, std::size_t end) : Kd
   index.tree = std::make_unique<flann::KDTreeSingleIndex<SquaredDistance3>>(
       rows, flann::KDTreeSingleIndexParams(kLeafSize, true));
   index.tree->buildIndex();
-  // Below zero on purpose: FLANN accumulates its lower bounds with float rounding, and prunes on them exactly.
+  // Below zero on purpose: FLANN accumulates its lower bounds with float rounding, and prunes on them
+  // exactly.
   index.parameters.eps = -1e-5f;
 }
 
@@ -95,7 +97,9 @@ KdTree::~KdTree() = default;
 KdTree::KdTree(KdTree&&) noexcept = default;
 KdTree& KdTree::operator=(KdTree&&) noexcept = default;
 
-std::size_t KdTree::size() const { return index_->size; }
+std::size_t KdTree::size() const {
+  return index_->size;
+}
 
 Neighbour KdTree::nearest(const Eigen::Vector3f& query, float max_distance) const {
   Neighbour result;
@@ -107,7 +111,8 @@ int KdTree::k_nearest(const Eigen::Vector3f& query, int k, Neighbour* out, float
   return add_k_nearest(query, k, 0, out, max_distance);
 }
 
-int KdTree::add_k_nearest(const Eigen::Vector3f& query, int k, int count, Neighbour* out, float max_distance) const {
+int KdTree::add_k_nearest(const Eigen::Vector3f& query, int k, int count, Neighbour* out,
+                          float max_distance) const {
   const Index& index = *index_;
   if (index.size == 0 || k <= 0 || !query.allFinite() || !(max_distance > 0)) return count;
   BoundedNearest found(out, k, count, max_distance * max_distance, index.original.data());

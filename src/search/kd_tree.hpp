@@ -16,15 +16,15 @@ struct Neighbour {
   float squared_distance = std::numeric_limits<float>::infinity();
 };
 
-/// Exact nearest neighbours in a fixed cloud: FLANN's KDTreeSingleIndex behind guards, for FLANN crashes on an empty
-/// index, answers wrongly when data hold a NaN, and leaves outputs unset when k > n.
-/// Queries are const and may run on many threads; equal queries get equal answers, whatever thread asks.
-/// A query that is not finite has no neighbours. Keep coordinates near the origin: they are floats.
+/// Exact nearest neighbours in a fixed cloud: FLANN's KDTreeSingleIndex behind guards, for FLANN crashes on
+/// an empty index, answers wrongly when data hold a NaN, and leaves outputs unset when k > n. Queries are
+/// const and may run on many threads; equal queries get equal answers, whatever thread asks. A query that is
+/// not finite has no neighbours. Keep coordinates near the origin: they are floats.
 class KdTree {
  public:
   KdTree();
-  /// Copies the coordinates of points [begin, end) of the cloud; points that are not finite are left out, and there need
-  /// not be any. Answers are indices into the whole cloud.
+  /// Copies the coordinates of points [begin, end) of the cloud; points that are not finite are left out, and
+  /// there need not be any. Answers are indices into the whole cloud.
   KdTree(const PointCloud& cloud, std::size_t begin, std::size_t end);
   explicit KdTree(const PointCloud& cloud) : KdTree(cloud, 0, cloud.size()) {}
   ~KdTree();
@@ -37,7 +37,8 @@ class KdTree {
   Neighbour nearest(const Eigen::Vector3f& query,
                     float max_distance = std::numeric_limits<float>::infinity()) const;
 
-  /// The `k` nearest nearer than `max_distance`, nearest first, into `out` (room for k). Returns how many there are.
+  /// The `k` nearest nearer than `max_distance`, nearest first, into `out` (room for k). Returns how many
+  /// there are.
   int k_nearest(const Eigen::Vector3f& query, int k, Neighbour* out,
                 float max_distance = std::numeric_limits<float>::infinity()) const;
 

@@ -42,8 +42,8 @@ TEST_CASE("exponential of SE3 equals the matrix exponential") {
 
 TEST_CASE("logarithm of SE3 inverts the exponential to 1e-12 from 0 to pi") {
   std::mt19937 rng(2);
-  for (double angle : {1e-300, 1e-15, 1e-9, 1e-6, 1e-4, 0.0014, 9e-3, 1.1e-2, 0.3, 1.0, 2.0, 3.0, 3.1, 3.14, kPi - 1e-6,
-                       kPi - 1e-9}) {
+  for (double angle : {1e-300, 1e-15, 1e-9, 1e-6, 1e-4, 0.0014, 9e-3, 1.1e-2, 0.3, 1.0, 2.0, 3.0, 3.1, 3.14,
+                       kPi - 1e-6, kPi - 1e-9}) {
     for (int trial = 0; trial < 20; ++trial) {
       const Vector6 xi = random_twist(rng, angle);
       CHECK((se3_log(se3_exp(xi)) - xi).cwiseAbs().maxCoeff() < 1e-12 * (1.0 + 5.0 * xi.norm()));
@@ -55,7 +55,8 @@ TEST_CASE("logarithm of SE3 inverts the exponential to 1e-12 from 0 to pi") {
 TEST_CASE("logarithm does not lose the small rotations between two scans") {
   for (double degrees : {0.01, 0.05, 0.08, 0.0802, 0.1, 0.2}) {
     const double angle = degrees * kPi / 180.0;
-    const Eigen::Vector3d phi = so3_log(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix());
+    const Eigen::Vector3d phi =
+        so3_log(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix());
     CHECK(phi.z() == doctest::Approx(angle).epsilon(1e-12));
   }
 }

@@ -32,7 +32,8 @@ TEST_CASE("thinning keeps one point for each voxel that has any") {
   const PointCloud cloud = random_cloud(20000, 1);
   std::set<std::tuple<int, int, int>> occupied;
   const auto voxel_of = [&](std::size_t i) {
-    return std::make_tuple(static_cast<int>(std::floor(cloud.x[i] / 0.5f)), static_cast<int>(std::floor(cloud.y[i] / 0.5f)),
+    return std::make_tuple(static_cast<int>(std::floor(cloud.x[i] / 0.5f)),
+                           static_cast<int>(std::floor(cloud.y[i] / 0.5f)),
                            static_cast<int>(std::floor(cloud.z[i] / 0.5f)));
   };
   for (std::size_t i = 0; i < cloud.size(); ++i) occupied.insert(voxel_of(i));

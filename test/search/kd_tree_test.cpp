@@ -29,7 +29,8 @@ std::vector<Neighbour> brute_force(const PointCloud& cloud, const Eigen::Vector3
     const float dx = query.x() - cloud.x[i], dy = query.y() - cloud.y[i], dz = query.z() - cloud.z[i];
     all.push_back({static_cast<std::int32_t>(i), dx * dx + dy * dy + dz * dz});
   }
-  std::sort(all.begin(), all.end(), [](const Neighbour& a, const Neighbour& b) { return a.squared_distance < b.squared_distance; });
+  std::sort(all.begin(), all.end(),
+            [](const Neighbour& a, const Neighbour& b) { return a.squared_distance < b.squared_distance; });
   all.resize(std::min(k, all.size()));
   return all;
 }
