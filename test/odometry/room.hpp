@@ -1,0 +1,57 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <random>
+
+#include "geometry/point_cloud.hpp"
+#include "geometry/rigid.hpp"
+
+namespace scanlock {
+
+/// A hall of 24 x 16 x 5 m with four columns, seen by a sensor that fires random rays over `sweep_s` seconds
+/// while it moves with a constant body velocity; ranges are exact.
+inline double hall_range(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
+  double nearest = 1e9;
+  const Eigen::Vector3d low(-12, -8, -1), high(12, 8, 4);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (double wall : {low[axis], high[axis]}) {
+      const double t = (wall - from[axis]) / direction[axis];
+      if (t > 1e-6 && t < nearest) nearest = t;
+    }
+  }
+  for (const Eigen::Vector2d& centre : {Eigen::Vector2d(4, 3), Eigen::Vector2d(-5, 2), Eigen::Vector2d(2, -5),
+                                        Eigen::Vector2d(-7, -4.5)}) {  // square columns, 1 m wide
+    for (int axis = 0; axis < 2; ++axis) {
+      for (double side : {-0.5, 0.5}) {
+        const double t = (centre[axis] + side - from[axis]) / direction[axis];
+        const Eigen::Vector3d hit = from + t * direction;
+        if (t > 1e-6 && t < nearest && std::abs(hit[1 - axis] - centre[1 - axis]) <= 0.5) nearest = t;
+      }
+    }
+  }
+  return nearest;
+}
+
+inline Scan hall_scan(const Pose& pose, const Vector6& twist, std::int64_t utime, unsigned seed,
+                      double sweep_s = 0.1, int rays = 6000) {
+  std::mt19937 rng(seed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  Scan scan;
+  scan.utime = utime;
+  for (int i = 0; i < rays; ++i) {
+    const double azimuth = 3.14159265358979 * uniform(rng), elevation = 0.5 * uniform(rng);
+    const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
+                              std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+    const float time = static_cast<float>(sweep_s * i / rays);
+    const Pose at = pose * se3_exp(static_cast<double>(time) * twist);
+    const Eigen::Vector3d p = ray * hall_range(at.translation(), at.linear() * ray);
+    scan.points.push_back(p.cast<float>());
+    scan.points.time.push_back(time);
+  }
+  return scan;
+}
+
+}  // namespace scanlock

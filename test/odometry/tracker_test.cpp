@@ -1,0 +1,155 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/tracker.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "room.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr double kDegree = 3.14159265358979 / 180.0;
+
+Vector6 twist(double vx, double vy, double yaw_rate) {
+  Vector6 t;
+  t << vx, vy, 0, 0, 0, yaw_rate;
+  return t;
+}
+
+/// Drives through the hall at constant body velocity, ten scans a second.
+class Drive {
+ public:
+  Drive(Pose start, Vector6 velocity) : start_(std::move(start)), velocity_(velocity) {}
+  Pose pose(int i) const { return start_ * se3_exp(0.1 * i * velocity_); }
+  Scan scan(int i) const { return hall_scan(pose(i), velocity_, utime(i), static_cast<unsigned>(i)); }
+  static std::int64_t utime(int i) { return 1000000 + 100000 * static_cast<std::int64_t>(i); }
+  /// Error of a tracked pose against the truth, relative to the first scan.
+  Vector6 error(int i, const TrackedScan& tracked) const {
+    return se3_log((pose(0).inverse() * pose(i)).inverse() * tracked.map_from_body);
+  }
+
+ private:
+  Pose start_;
+  Vector6 velocity_;
+};
+
+Pose at(double x, double y, double yaw) {
+  Vector6 xi = Vector6::Zero();
+  xi[5] = yaw;
+  Pose pose = se3_exp(xi);
+  pose.translation() << x, y, 0;
+  return pose;
+}
+
+}  // namespace
+
+TEST_CASE("a drive with motion within the scans is tracked to centimetres with its velocity") {
+  const Drive drive(at(-6, -1, 0.1), twist(2.0, 0, 0.6));
+  Tracker tracker(TrackerConfig{});
+  TrackedScan tracked;
+  for (int i = 0; i < 30; ++i) {
+    tracked = tracker.track(drive.scan(i));
+    CHECK(tracked.state == (i == 0 ? TrackingState::kInitialising : TrackingState::kTracking));
+    CHECK(drive.error(i, tracked).head<3>().norm() < 0.03);
+    CHECK(drive.error(i, tracked).tail<3>().norm() < 0.2 * kDegree);
+  }
+  CHECK((tracked.twist - twist(2.0, 0, 0.6)).norm() < 0.1);
+}
+
+TEST_CASE("standing still the pose stays where it is") {
+  const Drive drive(at(1, 0, 0.3), Vector6::Zero());
+  Tracker tracker(TrackerConfig{});
+  for (int i = 0; i < 20; ++i) {
+    const Vector6 error = drive.error(i, tracker.track(drive.scan(i)));
+    CHECK(error.head<3>().norm() < 0.005);
+    CHECK(error.tail<3>().norm() < 0.05 * kDegree);
+  }
+}
+
+TEST_CASE("two seconds without scans are bridged") {
+  const Drive drive(at(-8, 0, 0), twist(3.0, 0, 0));
+  Tracker tracker(TrackerConfig{});
+  for (int i = 0; i < 35; ++i) {
+    if (i >= 10 && i < 30) continue;
+    const TrackedScan tracked = tracker.track(drive.scan(i));
+    CHECK(drive.error(i, tracked).head<3>().norm() < 0.05);
+    if (i > 0) CHECK(tracked.state == TrackingState::kTracking);
+  }
+}
+
+TEST_CASE("the result does not depend on the number of threads") {
+  const Drive drive(at(-6, -1, 0.1), twist(2.0, 0, 0.6));
+  TrackerConfig one, three;
+  three.threads = 3;
+  Tracker a(one), b(three);
+  for (int i = 0; i < 10; ++i) {
+    const TrackedScan x = a.track(drive.scan(i)), y = b.track(drive.scan(i));
+    CHECK((x.map_from_body.matrix().array() == y.map_from_body.matrix().array()).all());
+    CHECK((x.covariance.array() == y.covariance.array()).all());
+    CHECK(x.energy == y.energy);
+  }
+}
+
+TEST_CASE("a carried sensor is never reported as tracking a guess and the map freezes until it is back") {
+  const Drive drive(at(-6, -1, 0.1), twist(0.5, 0, 0));
+  Tracker tracker(TrackerConfig{});
+  for (int i = 0; i < 15; ++i) tracker.track(drive.scan(i));
+  const std::size_t map_points = tracker.map().size();
+  int lost = 0;
+  for (int i = 15; i < 20; ++i) {
+    Scan scan = hall_scan(at(7, 5, 2.5), Vector6::Zero(), Drive::utime(i), static_cast<unsigned>(i));
+    for (std::size_t k = 0; k < scan.points.size(); ++k)
+      scan.points.x[k] *= 0.4f;  // no place of the map looks like this
+    const TrackedScan tracked = tracker.track(scan);
+    CHECK(tracked.state != TrackingState::kTracking);
+    CHECK(tracked.method == PoseMethod::kPredicted);
+    lost += tracked.state == TrackingState::kLost;
+  }
+  CHECK(lost >= 4);
+  CHECK(tracker.map().size() == map_points);
+  TrackedScan back;
+  for (int i = 20; i < 26; ++i)
+    back = tracker.track(hall_scan(drive.pose(15), Vector6::Zero(), Drive::utime(i), 99));
+  CHECK(back.state == TrackingState::kTracking);
+  CHECK((drive.pose(0).inverse() * drive.pose(15)).isApprox(back.map_from_body, 0.02));
+}
+
+TEST_CASE("scans that cannot be tracked are named and leave the tracker usable") {
+  const Drive drive(at(0, 0, 0), twist(1, 0, 0));
+  Tracker tracker(TrackerConfig{});
+  CHECK(tracker.track(Scan{}).verdict == ScanVerdict::kEmpty);
+  for (int i = 0; i < 5; ++i) tracker.track(drive.scan(i));
+  CHECK(tracker.track(drive.scan(4)).verdict == ScanVerdict::kDuplicateTime);
+  CHECK(tracker.track(drive.scan(2)).verdict == ScanVerdict::kBackwardTime);
+
+  Scan nothing = drive.scan(5);
+  for (float& x : nothing.points.x) x = std::numeric_limits<float>::quiet_NaN();
+  const TrackedScan blind = tracker.track(nothing);
+  CHECK(blind.verdict == ScanVerdict::kEmpty);
+  CHECK(blind.method == PoseMethod::kPredicted);
+  CHECK(blind.state == TrackingState::kDegraded);
+  CHECK(drive.error(5, blind).head<3>().norm() < 0.05);
+
+  Scan one;
+  one.utime = Drive::utime(6);
+  one.points.push_back(3, 0, 0);
+  CHECK(tracker.track(one).verdict == ScanVerdict::kEmpty);
+  TrackedScan again;
+  for (int i = 7; i < 11; ++i) again = tracker.track(drive.scan(i));
+  CHECK(again.state == TrackingState::kTracking);
+  CHECK(drive.error(10, again).head<3>().norm() < 0.05);
+}
+
+TEST_CASE("a clock that jumps far back begins another epoch") {
+  const Drive drive(at(0, 0, 0), twist(1, 0, 0));
+  Tracker tracker(TrackerConfig{});
+  for (int i = 30; i < 33; ++i) tracker.track(drive.scan(i));
+  const TrackedScan restarted = tracker.track(drive.scan(0));
+  CHECK(restarted.epoch == 1);
+  CHECK(restarted.state == TrackingState::kInitialising);
+}
+
+}  // namespace scanlock
