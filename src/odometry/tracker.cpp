@@ -63,7 +63,9 @@ struct Tracker::State {
   std::int64_t last_utime = 0;
   double sigma = kFirstSigma;  // metres, of a residual: robust, smoothed
   Pose last_keyframe_pose = Pose::Identity();
-  Keyframe first;  // its points as they came, until their motion is known
+  KeyframeArchive archive{2000000};
+  Pose origin = Pose::Identity();  // where the first scan stands
+  Keyframe first;                  // its points as they came, until their motion is known
   std::uint32_t epoch = 0;
 
   TrackingState state = TrackingState::kInitialising;
@@ -143,6 +145,8 @@ struct Tracker::State {
     keyframe.utime = utime;
     keyframe.map_from_body = moving.pose;
     keyframe.points = deskewed(scan.fine, moving.twist);
+    if (archive.wants(moving.pose.translation(), scan.median_range))
+      archive.add(utime, moving.pose, scan.median_range, keyframe.points);
     map.insert(std::move(keyframe), scan.voxel);
     last_keyframe_pose = moving.pose;
   }
@@ -158,7 +162,7 @@ struct Tracker::State {
   // -----------------------------------------------------------------------------------
 
   void start(const Scan& scan, const PreparedScan& prepared) {
-    filter.start(Pose::Identity());
+    filter.start(origin);
     first.utime = scan.utime;
     first.points = prepared.fine;
     insert_keyframe(scan.utime, prepared, filter.state());
@@ -175,7 +179,7 @@ struct Tracker::State {
     if (!again.fine.has_times()) return attempt;
     for (int round = 0; round < 2; ++round) {
       map.clear();
-      insert_keyframe(first.utime, again, {Pose::Identity(), attempt.alignment.moving.twist});
+      insert_keyframe(first.utime, again, {origin, attempt.alignment.moving.twist});
       attempt = align(prepared, attempt.prior, false);
     }
     return attempt;
@@ -224,7 +228,7 @@ Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 
-TrackedScan Tracker::track(const Scan& scan) {
+TrackedScan Tracker::track(const Scan& scan, const ScanPrior& /*hints*/) {
   TrackedScan tracked;
   tracked.utime = scan.utime;
   tracked.points_in = static_cast<int>(scan.points.size());
@@ -308,6 +312,21 @@ void Tracker::reset() {
   fresh->epoch = state_->epoch + 1;
   fresh->observer = state_->observer;
   state_ = std::move(fresh);
+}
+
+void Tracker::set_pose(const Pose& map_from_body) {
+  reset();
+  state_->origin = map_from_body;
+}
+
+SavedMap Tracker::save() const {
+  return {state_->epoch, state_->last_trusted_pose, state_->archive.keyframes()};
+}
+
+void Tracker::load(SavedMap saved) {
+  reset();
+  state_->epoch = saved.epoch + 1;
+  state_->archive.restore(std::move(saved.keyframes));
 }
 
 PointCloud Tracker::map() const {

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
+#include "odometry/keyframe_archive.hpp"
 #include "odometry/tracker_config.hpp"
 
 namespace scanlock {
@@ -75,6 +77,12 @@ struct TrackedScan {
   int map_points = 0;
 };
 
+/// What other sensors say of a scan; each is optional, and ignored where it contradicts the scans.
+struct ScanPrior {
+  std::optional<Pose> motion;  ///< body at the scan before -> body now: last_from_now, from odometry
+  std::optional<Eigen::Quaterniond> level_from_body;  ///< attitude at the stamp; its heading is not used
+};
+
 /// LiDAR odometry over a sliding map of keyframes.
 /// A pure function of its state and the scan: no clock, no thread that outlives a call, no randomness; the
 /// result does not depend on `threads`. Not to be called from two threads at once.
@@ -86,13 +94,21 @@ class Tracker {
   Tracker& operator=(Tracker&&) noexcept;
 
   /// Never throws for any content of the scan; points that are not finite are skipped.
-  TrackedScan track(const Scan& scan);
+  TrackedScan track(const Scan& scan, const ScanPrior& prior = {});
 
   /// Called at the end of each stage of `track`, for timing.
   void set_stage_observer(std::function<void(Stage)> observer);
 
   /// Forgets the map and the motion; the next scan is the first of a new epoch.
   void reset();
+
+  /// The robot stands there, says somebody who knows: a new epoch, in the same map where there is one.
+  void set_pose(const Pose& map_from_body);
+
+  /// What a later run needs to come back to this map.
+  SavedMap save() const;
+  /// Forgets all, and looks for its place in a saved map with the scans to come; a new epoch.
+  void load(SavedMap saved);
 
   /// The map as it stands: points with normals, in the map frame.
   PointCloud map() const;
