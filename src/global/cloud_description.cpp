@@ -17,7 +17,7 @@
 namespace scanlock {
 namespace {
 
-constexpr double kWantedPoints = 6000, kWantedShare = 0.4, kTolerance = 1.25;
+constexpr double kWantedPoints = 8000, kWantedShare = 0.4, kTolerance = 1.25;
 constexpr int kVoxelRounds = 8;
 constexpr float kLevel = 0.8f;  // |vertical component of the normal| of surfaces that are level
 constexpr std::uint32_t kFewestNeighbours = 10;
@@ -106,6 +106,7 @@ CloudDescription describe(const PointCloud& cloud, const DescriptionOptions& opt
   check(options);
   CpuClock clock;
   CloudDescription result;
+  result.options = options;
   result.voxel = options.voxel > 0 ? options.voxel : description_voxel(cloud);
   if (!(result.voxel > 0)) return result;
   result.points = select(cloud, thin_by_voxel(cloud, static_cast<float>(result.voxel)));

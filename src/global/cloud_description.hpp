@@ -38,6 +38,7 @@ struct CloudDescription {
   std::vector<std::uint32_t> keypoints;  ///< indices into points, ascending
   Descriptors descriptors;               ///< a row for each keypoint
   double voxel = 0;                      ///< metres
+  DescriptionOptions options;            ///< how it was made
   double points_ms = 0, keypoints_ms = 0, features_ms = 0;  ///< CPU of this thread
 };
 
