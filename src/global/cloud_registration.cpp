@@ -42,6 +42,12 @@ Pose level_fit(const Matches& matches, const std::vector<std::uint32_t>& inliers
   return pose;
 }
 
+/// The same with the targets turned.
+Matches levelled(Matches matches, const Eigen::Matrix3d& level) {
+  for (Match& match : matches) match.q = level * match.q;
+  return matches;
+}
+
 /// The pose in the middle of the inliers: the right ones crowd about it, and what is within epsilon by chance
 /// does not, so matches count less the farther they are (Welsch's weights).
 Pose middle_pose(const Matches& matches, const std::vector<std::uint32_t>& inliers, double epsilon) {
@@ -104,6 +110,7 @@ class Registrar {
 
  private:
   void attempt(const CloudDescription& source, const CloudDescription& target);
+  void solve(const Matches& matches, MatchRegistrationOptions search);
   void look_closer();
   Pose refined(const Pose& start, std::uint32_t* degenerate_axes);
   bool confirmed(const CloudFit& fit) const {
@@ -113,8 +120,9 @@ class Registrar {
 
   const CloudDescription &source_, &target_;
   CloudRegistrationOptions options_;
-  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();  // of the source, metres
-  Matches all_matches_;                               // of all keypoints; drawn when first needed
+  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();     // of the source, metres
+  Eigen::Matrix3d level_ = Eigen::Matrix3d::Identity();  // of the target, in which the solution is level
+  Matches all_matches_;                                  // of all keypoints; drawn when first needed
   std::optional<CloudTarget> index_;
   std::optional<CloudCheck> source_check_, target_check_;
   CloudRegistration result_;
@@ -139,6 +147,43 @@ Pose Registrar::refined(const Pose& start, std::uint32_t* degenerate_axes) {
   return start;
 }
 
+/// The best over the directions that may be up, and the best of the others that is elsewhere.
+void Registrar::solve(const Matches& matches, MatchRegistrationOptions search) {
+  level_.setIdentity();
+  if (options_.target_ups.empty()) {
+    result_.solution = register_matches(matches, search);
+    return;
+  }
+  MatchRegistration best;
+  for (const Eigen::Vector3d& up : options_.target_ups) {
+    const Eigen::Matrix3d level =
+        Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    search.at_least = std::max(kFewestMatches, static_cast<int>(std::ceil(best.consensus / kSlimMargin)));
+    MatchRegistration found = register_matches(levelled(matches, level), search);
+    for (Pose* pose : {&found.target_from_source, &found.runner_up}) *pose = level.transpose() * *pose;
+    const std::size_t nodes = best.nodes + found.nodes;
+    const double pruning_ms = best.pruning_ms + found.pruning_ms,
+                 search_ms = best.search_ms + found.search_ms;
+    if (found.consensus > best.consensus) {
+      std::swap(found, best);
+      level_ = level;
+    }
+    // What the loser leaves open, and where it would rather be.
+    best.upper_bound = std::max(best.upper_bound, found.upper_bound);
+    best.certified = best.consensus > 0 && best.upper_bound == best.consensus;
+    if (found.consensus > best.runner_up_consensus &&
+        separation(found.target_from_source, best.target_from_source, centre_, result_.epsilon) >= 1) {
+      best.runner_up = found.target_from_source;
+      best.runner_up_consensus = found.consensus;
+      best.runner_up_bound = std::max(best.runner_up_bound, found.upper_bound);
+    }
+    best.nodes = nodes;
+    best.pruning_ms = pruning_ms;
+    best.search_ms = search_ms;
+  }
+  result_.solution = best;
+}
+
 void Registrar::attempt(const CloudDescription& source, const CloudDescription& target) {
   CpuClock clock;
   const Matches matches = match(source, target, options_.lambda);
@@ -150,7 +195,7 @@ void Registrar::attempt(const CloudDescription& source, const CloudDescription& 
   search.budget_s = options_.budget_s;
   search.rival_distance = kRivalEpsilons * result_.epsilon;
   search.rival_angle = kRivalAngle;
-  result_.solution = register_matches(matches, search);
+  solve(matches, search);
   ++result_.attempts;
   result_.start = result_.target_from_source = result_.solution.target_from_source;
   result_.fit = result_.runner_up_fit = CloudFit{};
@@ -167,7 +212,8 @@ void Registrar::look_closer() {
   for (std::uint32_t i = 0; i < all_matches_.size(); ++i) {
     if ((pose * all_matches_[i].p - all_matches_[i].q).norm() <= result_.epsilon) near.push_back(i);
   }
-  if (near.size() >= kFewestMatches) result_.start = middle_pose(all_matches_, near, result_.epsilon);
+  if (near.size() >= kFewestMatches)
+    result_.start = level_.transpose() * middle_pose(levelled(all_matches_, level_), near, result_.epsilon);
   result_.matching_ms += clock.lap();
   if (!source_check_) source_check_.emplace(source_.points, source_.voxel);
   if (!target_check_) target_check_.emplace(target_.points, target_.voxel);

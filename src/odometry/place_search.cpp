@@ -59,6 +59,7 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
   request.places = archive.keyframes();
   request.source = excursion.submap(kSourceReach * scene_, request.source_centre);
   request.up = up;
+  request.body_up = excursion.state().pose.linear().col(2);
   out_ = true;
   void_ = false;
   scans_wanted_ = excursion.scans() + std::min(4 * (attempts_ + 1), kLongestPause);

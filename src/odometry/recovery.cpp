@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "odometry/recovery.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <utility>
 
@@ -11,6 +13,8 @@ namespace scanlock {
 namespace {
 
 constexpr double kTilt = 0.01;            // radians: the last good attitude is not that of the place found
+constexpr double kStandReach = 20;        // metres
+constexpr double kStandStep = 0.05;       // radians
 constexpr std::size_t kMaxNodes = 20000;  // of a search: some tenths of a second
 
 /// CPU time of this thread, milliseconds.
@@ -29,6 +33,19 @@ PointCloud turned(PointCloud cloud, const Eigen::Matrix3d& rotation) {
     cloud.z[i] = p.z();
   }
   return cloud;
+}
+
+/// The different ways in which the body stood, on the scans near the target's centre: its z axis in the
+/// target's frame.
+std::vector<Eigen::Vector3d> attitudes(const RecoveryRequest& request, const Eigen::Matrix3d& level) {
+  std::vector<Eigen::Vector3d> ups;
+  for (const ArchivedKeyframe& k : request.places) {
+    if ((k.map_from_body.translation() - request.target_centre).norm() > kStandReach) continue;
+    const Eigen::Vector3d up = level * k.map_from_body.linear().col(2);
+    const auto alike = [&](const Eigen::Vector3d& other) { return up.dot(other) > std::cos(kStandStep); };
+    if (std::none_of(ups.begin(), ups.end(), alike)) ups.push_back(up);
+  }
+  return ups;
 }
 
 }  // namespace
@@ -72,11 +89,16 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
         options);
     target_ = std::make_unique<Target>(std::move(target));
   }
-  const CloudDescription source = describe(turned(request.source, level), options);
+  // The source is levelled by its own body: slopes turn the body, and where it stands now is not where it was
+  // lost.
+  const Eigen::Matrix3d stand =
+      Eigen::Quaterniond::FromTwoVectors(request.body_up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const CloudDescription source = describe(turned(request.source, stand), options);
 
   CloudRegistrationOptions registration;
   registration.tilt = kTilt;
   registration.max_nodes = kMaxNodes;
+  registration.target_ups = attitudes(request, level);
   const CloudRegistration found = register_clouds(source, target_->description, registration);
 
   RecoveryAnswer answer;
@@ -85,10 +107,11 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   answer.verdict = found.verdict == GlobalVerdict::kCertain     ? PlaceVerdict::kFound
                    : found.verdict == GlobalVerdict::kAmbiguous ? PlaceVerdict::kAmbiguous
                                                                 : PlaceVerdict::kNotHere;
-  Pose to_level = Pose::Identity();
+  // source: stand (p - source_centre); target: level (p - target_centre).
+  Pose to_stand = Pose::Identity(), to_level = Pose::Identity();
+  to_stand.linear() = stand;
   to_level.linear() = level;
-  // source: level (p - source_centre); target: level (p - target_centre).
-  const Pose turn = to_level.inverse() * found.target_from_source * to_level;
+  const Pose turn = to_level.inverse() * found.target_from_source * to_stand;
   answer.map_from_predicted =
       Eigen::Translation3d(request.target_centre) * turn * Eigen::Translation3d(-request.source_centre);
   answer.matches = static_cast<int>(found.solution.matches);

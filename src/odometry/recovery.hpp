@@ -25,7 +25,10 @@ struct RecoveryRequest {
   Eigen::Vector3d target_centre = Eigen::Vector3d::Zero();  ///< map frame
   double radius = 0;                                        ///< metres about the target centre
   double voxel = 0;                                         ///< metres, of both
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();            ///< in both frames
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();            ///< in the map frame
+  /// The z axis of the body, axes of the predicted map frame: at its place it is what it was on the scans
+  /// nearby.
+  Eigen::Vector3d body_up = Eigen::Vector3d::UnitZ();
 };
 
 enum class PlaceVerdict : std::int8_t { kFound, kAmbiguous, kNotHere };
