@@ -36,9 +36,9 @@ struct CloudRegistration {
   Pose start = Pose::Identity();               ///< least squares over the inliers of the solution
   Pose target_from_source = Pose::Identity();  ///< refined with the clouds; always finite
   GlobalVerdict verdict = GlobalVerdict::kNoOverlap;
-  std::string why;  ///< a sentence for people
-  CloudFit fit, runner_up_fit;
-  bool same_peak = false;             ///< refined, the runner-up is the best pose: it was its flank
+  std::string why;                    ///< a sentence for people
+  CloudFit fit, rival_fit;            ///< of the pose, and of the best of the others looked at
+  bool largest_consensus = true;      ///< false: the clouds refute that one, and confirm this pose
   std::uint32_t degenerate_axes = 0;  ///< of the refinement
   double epsilon = 0;                 ///< metres, as used
   int attempts = 0;
