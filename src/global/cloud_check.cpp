@@ -4,19 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace scanlock {
 namespace {
 
-constexpr float kPi = 3.14159265f;
 constexpr std::size_t kSamples = 2500, kFewSteep = 100;
-constexpr float kLevel = 0.8f;        // |vertical component of the normal|
-constexpr float kNear = 1.5f;         // voxels: a surface sampled a point a voxel has one so near
-constexpr float kOn = 0.5f;           // voxels from its plane
-constexpr float kSameWay = 0.7f;      // cosine
-constexpr float kWellBefore = 0.85f;  // of the range
-constexpr float kUnknown = std::numeric_limits<float>::infinity();
+constexpr float kLevel = 0.8f;    // |vertical component of the normal|
+constexpr float kNear = 1.5f;     // voxels: a surface sampled a point a voxel has one so near
+constexpr float kOn = 0.5f;       // voxels from its plane
+constexpr float kSameWay = 0.7f;  // cosine
+constexpr float kCell = 1.5f;     // voxels
+constexpr float kStandOff = 2;    // cells
+constexpr int kMostSteps = 200;
 
 std::vector<std::uint32_t> every_nth(const std::vector<std::uint32_t>& from, std::size_t count) {
   const std::size_t stride = std::max<std::size_t>(1, from.size() / count);
@@ -28,48 +27,43 @@ std::vector<std::uint32_t> every_nth(const std::vector<std::uint32_t>& from, std
 }  // namespace
 
 CloudCheck::CloudCheck(const PointCloud& cloud, double voxel)
-    : cloud_(cloud), voxel_(static_cast<float>(voxel)), tree_(cloud), ranges_(kColumns * kRows, kUnknown) {
+    : cloud_(cloud), voxel_(static_cast<float>(voxel)), tree_(cloud) {
   std::vector<std::uint32_t> steep, all;
   for (std::uint32_t i = 0; i < cloud.size(); ++i) {
     all.push_back(i);
     if (std::abs(cloud.nz[i]) < kLevel && cloud.normal(i).squaredNorm() > 0.5f) steep.push_back(i);
   }
   samples_ = every_nth(steep.size() >= kFewSteep ? steep : all, kSamples);
-  draw_ranges();
+  trace_rays();
 }
 
-int CloudCheck::column(const Eigen::Vector3f& p) {
-  return std::clamp(static_cast<int>((std::atan2(p.y(), p.x()) + kPi) / (2 * kPi) * kColumns), 0,
-                    kColumns - 1);
+std::uint64_t CloudCheck::cell(const Eigen::Vector3f& p) const {
+  constexpr std::int64_t kMiddle = std::int64_t{1} << 20;
+  const Eigen::Array3f index = (p.array() / (kCell * voxel_)).floor().max(-1e6f).min(1e6f);
+  return static_cast<std::uint64_t>((static_cast<std::int64_t>(index.x()) + kMiddle) << 42 |
+                                    (static_cast<std::int64_t>(index.y()) + kMiddle) << 21 |
+                                    (static_cast<std::int64_t>(index.z()) + kMiddle));
 }
 
-int CloudCheck::row(const Eigen::Vector3f& p) {
-  const float elevation = std::atan2(p.z(), std::hypot(p.x(), p.y()));
-  return std::clamp(static_cast<int>((elevation / kPi + 0.5f) * kRows), 0, kRows - 1);
-}
-
-void CloudCheck::draw_ranges() {
+void CloudCheck::trace_rays() {
+  const float step = kCell * voxel_;
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
-    const Eigen::Vector3f p = cloud_.point(i);
-    float& range = ranges_[static_cast<std::size_t>(row(p) * kColumns + column(p))];
-    range = std::min(range, p.norm());
+    const float range = cloud_.point(i).norm();
+    const Eigen::Vector3f direction = cloud_.point(i) / range;
+    // The last stretch may graze the surface that the ray ends on.
+    const int steps = std::min(static_cast<int>((range - kStandOff * step) / step), kMostSteps);
+    for (int k = 1; k < steps; ++k) free_.push_back(cell(direction * (step * static_cast<float>(k))));
   }
-  // A surface seen at a slant has many ranges within a direction and its neighbours; the nearest counts.
-  std::vector<float> nearest = ranges_;
-  for (int r = 0; r < kRows; ++r) {
-    for (int c = 0; c < kColumns; ++c) {
-      float& range = nearest[static_cast<std::size_t>(r * kColumns + c)];
-      if (range == kUnknown) continue;
-      for (int dr = -1; dr <= 1; ++dr) {
-        for (int dc = -1; dc <= 1; ++dc) {
-          const int other_row = std::clamp(r + dr, 0, kRows - 1),
-                    other_column = (c + dc + kColumns) % kColumns;
-          range = std::min(range, ranges_[static_cast<std::size_t>(other_row * kColumns + other_column)]);
-        }
-      }
-    }
-  }
-  ranges_ = std::move(nearest);
+  std::sort(free_.begin(), free_.end());
+  free_.erase(std::unique(free_.begin(), free_.end()), free_.end());
+}
+
+/// Rays skim over the ground between the few that hit it: where it is free below, too, that is not the
+/// ground.
+bool CloudCheck::is_free(const Eigen::Vector3f& p) const {
+  const Eigen::Vector3f below(0, 0, kCell * voxel_);
+  return std::binary_search(free_.begin(), free_.end(), cell(p)) &&
+         std::binary_search(free_.begin(), free_.end(), cell(p - below));
 }
 
 CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck& to,
@@ -77,25 +71,24 @@ CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck&
   const Eigen::Matrix3f rotation = to_from_from.linear().cast<float>();
   const Eigen::Vector3f translation = to_from_from.translation().cast<float>();
   OneWay result;
-  std::size_t on = 0, seen = 0, before = 0;
+  std::size_t on = 0, through = 0;
   for (std::uint32_t i : from.samples_) {
     const Eigen::Vector3f p = rotation * from.cloud_.point(i) + translation;
     const Neighbour nearest = to.tree_.nearest(p, kNear * to.voxel_);
-    if (nearest.index >= 0) {
-      const std::size_t j = static_cast<std::size_t>(nearest.index);
-      const float distance = std::abs(to.cloud_.normal(j).dot(p - to.cloud_.point(j)));
-      const float cosine = to.cloud_.normal(j).dot(rotation * from.cloud_.normal(i));
-      result.distances.push_back(distance);
-      on += distance < kOn * to.voxel_ && std::abs(cosine) > kSameWay ? 1 : 0;
+    if (nearest.index < 0) {
+      through += to.is_free(p) ? 1 : 0;
+      continue;
     }
-    const float range = to.ranges_[static_cast<std::size_t>(row(p) * kColumns + column(p))];
-    if (range == kUnknown) continue;
-    ++seen;
-    before += p.norm() < kWellBefore * range - to.voxel_ ? 1 : 0;
+    const std::size_t j = static_cast<std::size_t>(nearest.index);
+    const float distance = std::abs(to.cloud_.normal(j).dot(p - to.cloud_.point(j)));
+    const float cosine = to.cloud_.normal(j).dot(rotation * from.cloud_.normal(i));
+    result.distances.push_back(distance);
+    on += distance < kOn * to.voxel_ && std::abs(cosine) > kSameWay ? 1 : 0;
   }
   if (!from.samples_.empty())
     result.overlap = static_cast<double>(on) / static_cast<double>(from.samples_.size());
-  if (seen > 0) result.contradiction = static_cast<double>(before) / static_cast<double>(seen);
+  if (on + through > 0)
+    result.contradiction = static_cast<double>(through) / static_cast<double>(on + through);
   return result;
 }
 
@@ -104,6 +97,7 @@ CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose&
   const CloudCheck::OneWay back = CloudCheck::one_way(target, source, target_from_source.inverse());
   CloudFit fit;
   fit.overlap = std::max(there.overlap, back.overlap);
+  fit.least_overlap = std::min(there.overlap, back.overlap);
   fit.contradiction = std::max(there.contradiction, back.contradiction);
   std::vector<float>& distances = there.distances;
   distances.insert(distances.end(), back.distances.begin(), back.distances.end());

@@ -18,16 +18,17 @@ struct CloudFit {
   /// ground, which fits everywhere, is left out where there is anything else.
   double overlap = 0;
   double residual = 0;  ///< metres: median distance of those that are near any surface to its plane
-  /// Share of the points in directions into which the other cloud's sensor looked that lie well before what
-  /// it saw there: its rays went through them. Of the two directions the worse one.
+  /// Of the points that lie on a surface of the other cloud or in space that its rays crossed, the share of
+  /// the latter. Of the two directions the worse one.
   double contradiction = 0;
+  double least_overlap = 0;  ///< as overlap, of the two directions the worse one
 };
 
 /// A described cloud made ready to be compared with others.
 class CloudCheck {
  public:
-  /// `cloud`: thinned by `voxel` (metres), with normals, its origin the place of (one of) its sensors. Must
-  /// outlive this object.
+  /// `cloud`: thinned by `voxel` (metres), with normals, its origin the place of its sensor, or of one of
+  /// them. Must outlive this object.
   CloudCheck(const PointCloud& cloud, double voxel);
 
   friend CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source);
@@ -39,16 +40,16 @@ class CloudCheck {
   };
   static OneWay one_way(const CloudCheck& from, const CloudCheck& to, const Pose& to_from_from);
 
-  /// The nearest return in each direction, seen from the origin.
-  void draw_ranges();
-  static constexpr int kColumns = 120, kRows = 60;
-  static int column(const Eigen::Vector3f&p), row(const Eigen::Vector3f&p);
+  /// Marks what the rays from the origin to the points crossed.
+  void trace_rays();
+  bool is_free(const Eigen::Vector3f& p) const;
+  std::uint64_t cell(const Eigen::Vector3f& p) const;
 
   const PointCloud& cloud_;
   float voxel_;
   KdTree tree_;
   std::vector<std::uint32_t> samples_;
-  std::vector<float> ranges_;  // metres, infinite where nothing came back
+  std::vector<std::uint64_t> free_;  // cells, sorted
 };
 
 }  // namespace scanlock

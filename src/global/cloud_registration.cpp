@@ -19,49 +19,39 @@ namespace {
 constexpr double kEpsilonOfVoxel = 0.75;
 constexpr double kRivalEpsilons = 4, kRivalAngle = 0.1;
 constexpr int kFewestMatches = 8;  // consensus below which nothing is believed
-constexpr double kLeastOverlap = 0.25, kMostContradiction = 0.2;
-constexpr double kClearMargin = 1.5, kSlimMargin = 1.2;
-constexpr double kCrowd = 0.5;  // of epsilon
-constexpr int kRounds = 10;
+constexpr double kLeastOverlap = 0.3, kMostContradiction = 0.09;
+constexpr double kMostResidual = 0.18;  // voxels
+constexpr double kStrongOverlap = 0.55, kStrongContradiction = 0.03;
+constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
+constexpr int kGuidedLambda = 10;
+constexpr double kPriceOfContradiction = 2;         // of overlap
+constexpr double kRefuted = 0.12, kHopeless = 0.5;  // contradictions; the latter before the refinement
+constexpr double kClearMargin = 1.3;                // of the consensus over its runner-up
+constexpr int kPeels = 4;
+constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
+constexpr int kRounds = 8;
 constexpr std::size_t kManyKeypoints = 300;
-constexpr double kRivalOverlap = 0.85;  // of the best pose's
+constexpr double kRivalOverlap = 0.75;  // of the best pose's
 
-/// Least squares over weighted matches, of rotations about the vertical and translations.
-Pose level_fit(const Matches& matches, const std::vector<std::uint32_t>& inliers,
-               const std::vector<double>& weights) {
-  PairSums sums;
-  for (std::size_t k = 0; k < inliers.size(); ++k)
-    sums.add(weights[k], matches[inliers[k]].p, matches[inliers[k]].q);
-  Pose pose = Pose::Identity();
-  if (!(sums.weight > 0)) return pose;
+/// Least squares over pairs, of rotations about the vertical and translations.
+Pose level_fit(const PairSums& sums) {
   const Eigen::Vector3d p = sums.p / sums.weight, q = sums.q / sums.weight;
   const Eigen::Matrix3d moment = sums.qp / sums.weight - q * p.transpose();
   const double yaw = std::atan2(moment(1, 0) - moment(0, 1), moment(0, 0) + moment(1, 1));
+  Pose pose = Pose::Identity();
   pose.linear() = so3_exp(Eigen::Vector3d(0, 0, yaw));
   pose.translation() = q - pose.linear() * p;
   return pose;
 }
 
-/// The same with the targets turned.
-Matches levelled(Matches matches, const Eigen::Matrix3d& level) {
-  for (Match& match : matches) match.q = level * match.q;
-  return matches;
+Eigen::Matrix3d level_of(const Eigen::Vector3d& up) {
+  return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
-/// The pose in the middle of the inliers: the right ones crowd about it, and what is within epsilon by chance
-/// does not, so matches count less the farther they are (Welsch's weights).
-Pose middle_pose(const Matches& matches, const std::vector<std::uint32_t>& inliers, double epsilon) {
-  std::vector<double> weights(inliers.size(), 1.0);
-  Pose pose = level_fit(matches, inliers, weights);
-  const double scale = kCrowd * epsilon;
-  for (int round = 0; round < kRounds; ++round) {
-    for (std::size_t k = 0; k < inliers.size(); ++k) {
-      const Match& match = matches[inliers[k]];
-      weights[k] = std::exp(-(pose * match.p - match.q).squaredNorm() / (2 * scale * scale));
-    }
-    pose = level_fit(matches, inliers, weights);
-  }
-  return pose;
+/// The same with the targets turned.
+Matches turned(Matches matches, const Eigen::Matrix3d& rotation) {
+  for (Match& match : matches) match.q = rotation * match.q;
+  return matches;
 }
 
 /// Every n-th keypoint.
@@ -95,6 +85,28 @@ double separation(const Pose& a, const Pose& b, const Eigen::Vector3d& centre, d
   return std::max(distance / (kRivalEpsilons * epsilon), angle / kRivalAngle);
 }
 
+/// A pose that many matches agree on, and what the clouds say to it.
+struct Hypothesis {
+  Pose start, refined;
+  int consensus = 0;
+  CloudFit fit;
+  std::uint32_t degenerate_axes = 0;
+};
+
+bool confirmed(const CloudFit& fit, double voxel) {
+  return fit.overlap >= kLeastOverlap && fit.contradiction <= kMostContradiction &&
+         fit.residual <= kMostResidual * voxel;
+}
+
+double score(const CloudFit& fit) {
+  return fit.overlap - kPriceOfContradiction * fit.contradiction;
+}
+
+/// Nobody who sees both fits would take the other for as good.
+bool clearly_worse(const CloudFit& other, const CloudFit& best) {
+  return other.overlap < kRivalOverlap * best.overlap || other.contradiction > kRefuted;
+}
+
 /// The clouds of one registration, indexed once for all attempts.
 class Registrar {
  public:
@@ -109,24 +121,65 @@ class Registrar {
   CloudRegistration run();
 
  private:
+  CloudRegistration propose();
   void attempt(const CloudDescription& source, const CloudDescription& target);
-  void solve(const Matches& matches, MatchRegistrationOptions search);
-  void look_closer();
+  MatchRegistration search(const Matches& matches, bool runner_up) const;
+  void merge(const MatchRegistration& loser, MatchRegistration* best) const;
+  void look_for_more(Matches matches);
+  Pose middle_pose(Pose pose);
+  void compare_clouds(Hypothesis* hypothesis);
+  void add_hypothesis(const Pose& pose, int consensus);
   Pose refined(const Pose& start, std::uint32_t* degenerate_axes);
-  bool confirmed(const CloudFit& fit) const {
-    return fit.overlap >= kLeastOverlap && fit.contradiction <= kMostContradiction;
-  }
   void judge();
+  std::string numbers() const;
 
   const CloudDescription &source_, &target_;
   CloudRegistrationOptions options_;
-  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();     // of the source, metres
-  Eigen::Matrix3d level_ = Eigen::Matrix3d::Identity();  // of the target, in which the solution is level
-  Matches all_matches_;                                  // of all keypoints; drawn when first needed
+  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();  // of the source, metres
+  Matches guided_matches_;                            // of all keypoints; drawn when first needed
   std::optional<CloudTarget> index_;
   std::optional<CloudCheck> source_check_, target_check_;
+  std::vector<Hypothesis> hypotheses_;  // of this attempt; distinct; the first has the largest consensus
   CloudRegistration result_;
 };
+
+MatchRegistration Registrar::search(const Matches& matches, bool runner_up) const {
+  MatchRegistrationOptions search;
+  search.epsilon = result_.epsilon;
+  search.tilt = options_.tilt;
+  search.max_nodes = options_.max_nodes;
+  search.budget_s = options_.budget_s;
+  search.runner_up = runner_up;
+  search.rival_distance = kRivalEpsilons * result_.epsilon;
+  search.rival_angle = kRivalAngle;
+  if (options_.target_ups.empty()) return register_matches(matches, search);
+  MatchRegistration best;
+  for (const Eigen::Vector3d& up : options_.target_ups) {
+    const Eigen::Matrix3d level = level_of(up);
+    search.at_least = std::max(kFewestMatches, static_cast<int>(std::ceil(best.consensus / kClearMargin)));
+    MatchRegistration found = register_matches(turned(matches, level), search);
+    for (Pose* pose : {&found.target_from_source, &found.runner_up}) *pose = level.transpose() * *pose;
+    if (found.consensus > best.consensus) std::swap(found, best);
+    merge(found, &best);
+  }
+  return best;
+}
+
+/// What the loser leaves open, where it would rather be, and what it took.
+void Registrar::merge(const MatchRegistration& loser, MatchRegistration* best) const {
+  best->upper_bound = std::max(best->upper_bound, loser.upper_bound);
+  best->certified = best->consensus > 0 && best->upper_bound == best->consensus;
+  if (loser.consensus > best->runner_up_consensus &&
+      separation(loser.target_from_source, best->target_from_source, centre_, result_.epsilon) >= 1) {
+    best->runner_up = loser.target_from_source;
+    best->runner_up_consensus = loser.consensus;
+    best->runner_up_bound = std::max(best->runner_up_bound, loser.upper_bound);
+  }
+  best->nodes += loser.nodes;
+  best->pruning_ms += loser.pruning_ms;
+  best->search_ms += loser.search_ms;
+  best->runner_up_ms += loser.runner_up_ms;
+}
 
 /// Keeps the start when the clouds would carry the pose away from it: that is no refinement.
 Pose Registrar::refined(const Pose& start, std::uint32_t* degenerate_axes) {
@@ -147,100 +200,172 @@ Pose Registrar::refined(const Pose& start, std::uint32_t* degenerate_axes) {
   return start;
 }
 
-/// The best over the directions that may be up, and the best of the others that is elsewhere.
-void Registrar::solve(const Matches& matches, MatchRegistrationOptions search) {
-  level_.setIdentity();
-  if (options_.target_ups.empty()) {
-    result_.solution = register_matches(matches, search);
-    return;
-  }
-  MatchRegistration best;
-  for (const Eigen::Vector3d& up : options_.target_ups) {
-    const Eigen::Matrix3d level =
-        Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    search.at_least = std::max(kFewestMatches, static_cast<int>(std::ceil(best.consensus / kSlimMargin)));
-    MatchRegistration found = register_matches(levelled(matches, level), search);
-    for (Pose* pose : {&found.target_from_source, &found.runner_up}) *pose = level.transpose() * *pose;
-    const std::size_t nodes = best.nodes + found.nodes;
-    const double pruning_ms = best.pruning_ms + found.pruning_ms,
-                 search_ms = best.search_ms + found.search_ms;
-    if (found.consensus > best.consensus) {
-      std::swap(found, best);
-      level_ = level;
+/// The pose that all matches near it crowd about. Once a pose is known, matches that are too ambiguous to
+/// search with tell the right ones: those that agree with it. They count less the farther off they are
+/// (Welsch's weights), for what is within epsilon by chance is anywhere there.
+Pose Registrar::middle_pose(Pose pose) {
+  if (guided_matches_.empty()) guided_matches_ = match(source_, target_, kGuidedLambda);
+  const Eigen::Matrix3d level = level_of(pose.linear().col(2));
+  for (int round = 0; round < kRounds; ++round) {
+    const double scale = std::max(kCrowd, 1.0 - kCrowd * round) * result_.epsilon;
+    PairSums sums;
+    int near = 0;
+    for (const Match& m : guided_matches_) {
+      const double squared = (pose * m.p - m.q).squaredNorm();
+      if (squared > kReach * kReach * scale * scale) continue;
+      sums.add(std::exp(-squared / (2 * scale * scale)), m.p, level * m.q);
+      ++near;
     }
-    // What the loser leaves open, and where it would rather be.
-    best.upper_bound = std::max(best.upper_bound, found.upper_bound);
-    best.certified = best.consensus > 0 && best.upper_bound == best.consensus;
-    if (found.consensus > best.runner_up_consensus &&
-        separation(found.target_from_source, best.target_from_source, centre_, result_.epsilon) >= 1) {
-      best.runner_up = found.target_from_source;
-      best.runner_up_consensus = found.consensus;
-      best.runner_up_bound = std::max(best.runner_up_bound, found.upper_bound);
-    }
-    best.nodes = nodes;
-    best.pruning_ms = pruning_ms;
-    best.search_ms = search_ms;
+    if (near < kFewestMatches) break;
+    pose = level.transpose() * level_fit(sums);
   }
-  result_.solution = best;
+  return pose;
+}
+
+/// Makes the pose precise, first with all matches, then with the clouds, and compares the clouds. Drops it
+/// when a hypothesis is there already.
+void Registrar::add_hypothesis(const Pose& pose, int consensus) {
+  CpuClock clock;
+  Hypothesis hypothesis;
+  hypothesis.consensus = consensus;
+  hypothesis.start = hypothesis.refined = middle_pose(pose);
+  result_.matching_ms += clock.lap();
+  if (options_.judged) compare_clouds(&hypothesis);
+  result_.refinement_ms += clock.lap();
+  const bool known = std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& other) {
+    return separation(other.refined, hypothesis.refined, centre_, result_.epsilon) < 0.5;
+  });
+  if (!known) hypotheses_.push_back(hypothesis);
+}
+
+void Registrar::compare_clouds(Hypothesis* hypothesis) {
+  if (!source_check_) source_check_.emplace(source_.points, source_.voxel);
+  if (!target_check_) target_check_.emplace(target_.points, target_.voxel);
+  hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->start);
+  if (hypothesis->fit.contradiction < kHopeless || hypotheses_.empty()) {
+    hypothesis->refined = refined(hypothesis->start, &hypothesis->degenerate_axes);
+    hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->refined);
+  }
+}
+
+/// Where matches are ambiguous the right pose need not have the most of them. Takes those of the poses found
+/// so far away, and looks at what the others agree on.
+void Registrar::look_for_more(Matches matches) {
+  for (int peel = 0; peel < kPeels; ++peel) {
+    for (const Hypothesis& h : hypotheses_) {
+      matches.erase(
+          std::remove_if(matches.begin(), matches.end(),
+                         [&](const Match& m) { return (h.start * m.p - m.q).norm() <= result_.epsilon; }),
+          matches.end());
+    }
+    const MatchRegistration next = search(matches, false);
+    if (next.consensus < kFewestMatches) break;
+    add_hypothesis(next.target_from_source, next.consensus);
+  }
 }
 
 void Registrar::attempt(const CloudDescription& source, const CloudDescription& target) {
   CpuClock clock;
   const Matches matches = match(source, target, options_.lambda);
   result_.matching_ms += clock.lap();
-  MatchRegistrationOptions search;
-  search.epsilon = result_.epsilon;
-  search.tilt = options_.tilt;
-  search.max_nodes = options_.max_nodes;
-  search.budget_s = options_.budget_s;
-  search.rival_distance = kRivalEpsilons * result_.epsilon;
-  search.rival_angle = kRivalAngle;
-  solve(matches, search);
+  result_.solution = search(matches, true);
   ++result_.attempts;
+  hypotheses_.clear();
   result_.start = result_.target_from_source = result_.solution.target_from_source;
-  result_.fit = result_.runner_up_fit = CloudFit{};
-  result_.same_peak = false;
-  if (result_.solution.consensus >= kFewestMatches) look_closer();
+  result_.fit = result_.rival_fit = CloudFit{};
+  if (result_.solution.consensus < kFewestMatches) {
+    judge();
+    return;
+  }
+  add_hypothesis(result_.solution.target_from_source, result_.solution.consensus);
+  add_hypothesis(result_.solution.runner_up, result_.solution.runner_up_consensus);
+  judge();
+  if (result_.verdict == GlobalVerdict::kCertain) return;
+  look_for_more(matches);
+  judge();
 }
 
-/// Makes the pose of the matches precise with more matches, then with the clouds, and compares the clouds.
-void Registrar::look_closer() {
-  CpuClock clock;
-  if (all_matches_.empty()) all_matches_ = match(source_, target_, options_.lambda);
-  std::vector<std::uint32_t> near;
-  const Pose& pose = result_.solution.target_from_source;
-  for (std::uint32_t i = 0; i < all_matches_.size(); ++i) {
-    if ((pose * all_matches_[i].p - all_matches_[i].q).norm() <= result_.epsilon) near.push_back(i);
+std::string Registrar::numbers() const {
+  const MatchRegistration& s = result_.solution;
+  char text[200];
+  int length = std::snprintf(text, sizeof text, "%d of %zu matches agree, next %d", s.consensus, s.matches,
+                             s.runner_up_consensus);
+  if (options_.judged) {
+    std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
+                  "; %.0f %% of the surfaces overlap, %.1f %% contradict", 100 * result_.fit.overlap,
+                  100 * result_.fit.contradiction);
   }
-  if (near.size() >= kFewestMatches)
-    result_.start = level_.transpose() * middle_pose(levelled(all_matches_, level_), near, result_.epsilon);
-  result_.matching_ms += clock.lap();
-  if (!source_check_) source_check_.emplace(source_.points, source_.voxel);
-  if (!target_check_) target_check_.emplace(target_.points, target_.voxel);
-  result_.target_from_source = refined(result_.start, &result_.degenerate_axes);
-  result_.fit = compare(*source_check_, *target_check_, result_.target_from_source);
-  std::uint32_t unused = 0;
-  const Pose rival = refined(result_.solution.runner_up, &unused);
-  result_.same_peak = separation(rival, result_.target_from_source, centre_, result_.epsilon) < 0.5;
-  result_.runner_up_fit = compare(*source_check_, *target_check_, rival);
-  result_.refinement_ms += clock.lap();
+  return text;
 }
 
 void Registrar::judge() {
   const MatchRegistration& s = result_.solution;
-  const double margin = static_cast<double>(s.consensus) / std::max(1, s.runner_up_bound);
-  const bool rival = !result_.same_peak && confirmed(result_.runner_up_fit) &&
-                     result_.runner_up_fit.overlap > kRivalOverlap * result_.fit.overlap;
-  if (s.consensus < kFewestMatches || !confirmed(result_.fit)) {
-    result_.verdict = GlobalVerdict::kNoOverlap;
-  } else if (result_.degenerate_axes != 0 || rival || (!result_.same_peak && margin < kSlimMargin)) {
+  result_.verdict = GlobalVerdict::kNoOverlap;
+  if (hypotheses_.empty()) {
+    result_.why = "no pose has " + std::to_string(kFewestMatches) + " matches: " + numbers();
+    return;
+  }
+  const auto best =
+      std::max_element(hypotheses_.begin(), hypotheses_.end(),
+                       [](const auto& a, const auto& b) { return score(a.fit) < score(b.fit); });
+  result_.start = best->start;
+  result_.target_from_source = best->refined;
+  result_.fit = best->fit;
+  result_.degenerate_axes = best->degenerate_axes;
+  const bool first = best == hypotheses_.begin();
+  result_.largest_consensus = first;
+  bool rival = false;
+  result_.rival_fit = CloudFit{};
+  result_.rivals.clear();
+  for (const Hypothesis& h : hypotheses_) {
+    if (&h == &*best) continue;
+    result_.rivals.push_back(h.refined);
+    if (score(h.fit) > score(result_.rival_fit)) result_.rival_fit = h.fit;
+    rival = rival || !clearly_worse(h.fit, best->fit);
+  }
+  const bool clear = first && s.consensus >= kClearMargin * s.runner_up_bound;
+  const bool strong = best->fit.contradiction <= kStrongContradiction &&
+                      best->fit.overlap >= kStrongOverlap && (best->degenerate_axes & kHorizontalAxes) == 0;
+  if (!confirmed(best->fit, source_.voxel)) {
+    result_.why = "the clouds do not confirm any pose: " + numbers();
+  } else if (rival) {
     result_.verdict = GlobalVerdict::kAmbiguous;
+    result_.why = "another pose fits the clouds about as well: " + numbers();
+  } else if (!strong && !clear) {
+    result_.verdict = GlobalVerdict::kAmbiguous;
+    result_.why = "no pose stands out: " + numbers();
+  } else if (!s.certified) {
+    result_.verdict = GlobalVerdict::kUncertified;
+    result_.why =
+        "the search ended before its proof (at most " + std::to_string(s.upper_bound) + "): " + numbers();
   } else {
-    result_.verdict = s.certified ? GlobalVerdict::kCertain : GlobalVerdict::kUncertified;
+    result_.verdict = GlobalVerdict::kCertain;
+    result_.why = numbers();
   }
 }
 
+/// The poses that the matches propose, in the order of their consensus.
+CloudRegistration Registrar::propose() {
+  const Matches matches = match(source_, target_, options_.lambda);
+  result_.solution = search(matches, true);
+  result_.attempts = 1;
+  result_.why = numbers();
+  if (result_.solution.consensus < kFewestMatches) return result_;
+  add_hypothesis(result_.solution.target_from_source, result_.solution.consensus);
+  if (result_.solution.runner_up_consensus >= kFewestMatches)
+    add_hypothesis(result_.solution.runner_up, result_.solution.runner_up_consensus);
+  look_for_more(matches);
+  result_.start = result_.target_from_source = hypotheses_.front().start;
+  for (std::size_t k = 1; k < hypotheses_.size(); ++k) result_.rivals.push_back(hypotheses_[k].start);
+  const MatchRegistration& s = result_.solution;
+  result_.verdict = !s.certified                                     ? GlobalVerdict::kUncertified
+                    : s.consensus < kClearMargin * s.runner_up_bound ? GlobalVerdict::kAmbiguous
+                                                                     : GlobalVerdict::kCertain;
+  return result_;
+}
+
 CloudRegistration Registrar::run() {
+  if (!options_.judged) return propose();
   for (int round = 0; round < options_.attempts; ++round) {
     if (round == 0 && source_.keypoints.size() > kManyKeypoints) {
       attempt(part(source_, 2), part(target_, 2));
@@ -249,7 +374,6 @@ CloudRegistration Registrar::run() {
     } else {
       attempt(redescribed(source_, 9, 800), redescribed(target_, 9, 800));
     }
-    judge();
     if (result_.verdict == GlobalVerdict::kCertain) break;
   }
   return result_;
