@@ -144,6 +144,8 @@ void Outputs::publish_status() {
   status.nonfinite_points = counters.nonfinite_points;
   status.kernel_drops = counters.kernel_drops;
   status.publish_errors = counters.publish_errors;
+  status.commands = counters.commands;
+  status.commands_rejected = counters.commands_rejected;
   status.recv_buf_wanted = report.recv_buf_wanted;
   status.recv_buf_granted = report.recv_buf_granted;
   status.keyframes = last_.keyframes;

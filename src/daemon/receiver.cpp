@@ -8,6 +8,7 @@
 
 #include "daemon/host_network.hpp"
 #include "daemon/lcm_url.hpp"
+#include "messages/decode_report.hpp"
 
 namespace scanlock {
 namespace {
@@ -26,12 +27,12 @@ constexpr std::chrono::milliseconds kSocketPeriod{500};
 
 }  // namespace
 
-Receiver::Receiver(const DaemonConfig& config, Slot<ReceivedScan>& slot, Statistics& statistics,
+Receiver::Receiver(const DaemonConfig& config, WorkInbox& inbox, Statistics& statistics,
                    const StopSignal& stop)
     : config_(config),
       url_(input_url(config)),
       from_log_(is_log_url(url_)),
-      slot_(slot),
+      inbox_(inbox),
       statistics_(statistics),
       stop_(stop),
       limits_{static_cast<std::size_t>(config.max_message_bytes), static_cast<std::size_t>(config.max_points),
@@ -53,7 +54,7 @@ void Receiver::run() {
     }
     if (stop_.wait_for(kFirstRetry)) break;  // the link broke: a new one after a breath
   }
-  slot_.finish();
+  inbox_.finish();
 }
 
 std::unique_ptr<lcm::LCM> Receiver::connect() {
@@ -88,6 +89,8 @@ std::unique_ptr<lcm::LCM> Receiver::try_connect() {
   for (const auto& channel : config_.scan_channels) {
     lcm->subscribe(literal_pattern(channel), &Receiver::on_message, this)->setQueueCapacity(kQueueCapacity);
   }
+  if (!config_.command_channel.empty())
+    lcm->subscribe(literal_pattern(config_.command_channel), &Receiver::on_command, this);
   if (is_multicast_url(url_) && lcm->getFileno() < 0) return nullptr;
   if (!is_multicast_url(url_)) return lcm;
 
@@ -137,6 +140,16 @@ void Receiver::on_message(const lcm::ReceiveBuffer* buffer, const std::string& c
   }
 }
 
+void Receiver::on_command(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+  try {
+    const auto command = decode_command(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+    if (!command.ok()) return reject_command(channel + ": " + command.error);
+    if (!inbox_.post(command.value)) reject_command(channel + ": too many commands wait already");
+  } catch (const std::exception& error) {
+    reject_command(channel + ": " + error.what());
+  }
+}
+
 void Receiver::on_bytes(const lcm::ReceiveBuffer& buffer, const std::string& channel) {
   ReceivedScan received;
   received.arrival = Clock::now();
@@ -170,8 +183,8 @@ void Receiver::on_scan(DecodedScan decoded, ReceivedScan received, const std::st
   }
   received.decode_ms = milliseconds(Clock::now() - received.arrival);
   if (from_log_) {
-    slot_.put(std::move(received));
-  } else if (slot_.replace(std::move(received))) {
+    inbox_.put(std::move(received));
+  } else if (inbox_.replace(std::move(received))) {
     statistics_.count(&Counters::replaced);
   }
 }
@@ -203,6 +216,12 @@ void Receiver::reject(DecodeFault fault, const std::string& sentence) {
   const long more = rejections_.suppressed();
   log_line(LogLevel::kWarning,
            "rejected: " + sentence + (more > 0 ? " (and " + std::to_string(more) + " before it)" : ""));
+}
+
+void Receiver::reject_command(const std::string& sentence) {
+  statistics_.count(&Counters::commands_rejected);
+  statistics_.set_error(sentence);
+  if (rejections_.allows(Clock::now())) log_line(LogLevel::kWarning, "command rejected: " + sentence);
 }
 
 void Receiver::watch_sockets() {

@@ -10,10 +10,11 @@
 #include <string>
 
 #include "daemon/config.hpp"
+#include "daemon/inbox.hpp"
 #include "daemon/log.hpp"
-#include "daemon/scan_slot.hpp"
 #include "daemon/statistics.hpp"
 #include "daemon/stop_signal.hpp"
+#include "messages/reports.hpp"
 #include "messages/sector_assembler.hpp"
 
 namespace scanlock {
@@ -27,12 +28,14 @@ struct ReceivedScan {
   double decode_ms = 0;
 };
 
-/// The receiving thread: takes messages off LCM, validates them and keeps the freshest scan in the slot.
-/// From a log (file://) every scan waits for its turn, and `run` returns at the end of the log.
+using WorkInbox = Inbox<ReceivedScan, Command>;
+
+/// The receiving thread: takes messages off LCM, validates them, and keeps the freshest scan and all commands
+/// for the worker. From a log (file://) every scan waits for its turn, and `run` returns at the end of the
+/// log.
 class Receiver {
  public:
-  Receiver(const DaemonConfig& config, Slot<ReceivedScan>& slot, Statistics& statistics,
-           const StopSignal& stop);
+  Receiver(const DaemonConfig& config, WorkInbox& inbox, Statistics& statistics, const StopSignal& stop);
 
   /// The thread's body. Throws std::runtime_error when a log cannot be opened; everything else is retried
   /// until the stop signal.
@@ -44,16 +47,18 @@ class Receiver {
   void listen(lcm::LCM& lcm);
   void on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_bytes(const lcm::ReceiveBuffer& buffer, const std::string& channel);
+  void on_command(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_scan(DecodedScan decoded, ReceivedScan received, const std::string& channel);
   void flush();
   void say_how_times_are_read(const DecodedScan& decoded, const std::string& channel);
   void reject(DecodeFault fault, const std::string& sentence);
+  void reject_command(const std::string& sentence);
   void watch_sockets();
 
   const DaemonConfig& config_;
   const std::string url_;
   const bool from_log_;
-  Slot<ReceivedScan>& slot_;
+  WorkInbox& inbox_;
   Statistics& statistics_;
   const StopSignal& stop_;
   const DecodeLimits limits_;

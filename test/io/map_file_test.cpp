@@ -67,7 +67,7 @@ TEST_CASE("the checksum is that of zip") {
   CHECK(crc32(nullptr, 0) == 0);
 }
 
-TEST_CASE("a map comes back: poses exactly, points to half a step") {
+TEST_CASE("a map comes back poses exactly points to half a step") {
   const SavedMap map = some_map(5, 200);
   const SavedMap read = decode_map(encode_map(map), "yard.map");
   CHECK(read.epoch == 3);
@@ -92,7 +92,7 @@ TEST_CASE("a map that was read is written to the same bytes") {
   CHECK(encode_map(decode_map(once, "yard.map")) == once);
 }
 
-TEST_CASE("an empty map, an empty keyframe and points that are not finite") {
+TEST_CASE("an empty map an empty keyframe and points that are not finite") {
   CHECK(decode_map(encode_map({}), "yard.map").keyframes.empty());
   SavedMap map = some_map(1, 0);
   CHECK(decode_map(encode_map(map), "yard.map").keyframes.at(0).points->empty());
@@ -159,7 +159,7 @@ TEST_CASE("what is wrong is named with its byte") {
   CHECK(contains(error_of(sealed(bent)), "byte 24: the last pose is no rigid pose"));
 }
 
-TEST_CASE("no truncation and no flipped bit is taken for a map, and none crashes") {
+TEST_CASE("no truncation and no flipped bit is taken for a map and none crashes") {
   const Bytes good = encode_map(some_map(3, 20));
   for (std::size_t size = 0; size < good.size(); ++size) {
     const Bytes cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size));
@@ -187,7 +187,7 @@ TEST_CASE("random bytes under a fitting checksum do not crash the reader") {
   }
 }
 
-TEST_CASE("a map is written and read as a file, and nothing is left beside it") {
+TEST_CASE("a map is written and read as a file and nothing is left beside it") {
   const TemporaryDirectory folder;
   const SavedMap map = some_map(2, 30);
   write_map(folder / "yard.map", some_map(1, 3));
@@ -201,7 +201,7 @@ TEST_CASE("a map is written and read as a file, and nothing is left beside it") 
   CHECK((info.st_mode & 0400) != 0);
 }
 
-TEST_CASE("a file that is no map is not overwritten, a link is followed, a missing folder is named") {
+TEST_CASE("a file that is no map is not overwritten a link is followed a missing folder is named") {
   const TemporaryDirectory folder;
   write_file(folder / "notes.txt", std::string("precious"));
   CHECK_THROWS_WITH(
