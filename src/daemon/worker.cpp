@@ -5,6 +5,7 @@
 #include <array>
 #include <exception>
 
+#include "daemon/lcm_url.hpp"
 #include "daemon/log.hpp"
 #include "daemon/mount.hpp"
 
@@ -39,7 +40,8 @@ Worker::Worker(const Config& config, WorkInbox& inbox, Slot<FinishedScan>& finis
       finished_(finished),
       statistics_(statistics),
       maps_(config.daemon.map, statistics),
-      tracker_(config.tracker) {
+      tracker_(config.tracker),
+      search_(is_log_url(input_url(config.daemon))) {
   if (std::optional<SavedMap> saved = maps_.load_at_start()) tracker_.load(std::move(*saved));
 }
 
@@ -63,7 +65,9 @@ void Worker::work() {
 
 void Worker::handle(const ReceivedScan& received) {
   try {
+    if (auto answer = search_.poll()) tracker_.give(std::move(*answer));
     finished_.put(track(received));
+    if (auto request = tracker_.take_request()) search_.start(std::move(*request));
   } catch (const std::exception& error) {  // out of memory, at most; the next scan begins anew
     statistics_.set_error(std::string("a scan could not be tracked: ") + error.what());
     log_line(LogLevel::kError, std::string("a scan could not be tracked, starting anew: ") + error.what());

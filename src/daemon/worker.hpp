@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "daemon/background_search.hpp"
 #include "daemon/config.hpp"
 #include "daemon/inbox.hpp"
 #include "daemon/map_store.hpp"
@@ -36,6 +37,7 @@ class Worker {
   Statistics& statistics_;
   MapStore maps_;
   Tracker tracker_;
+  BackgroundSearch search_;
 };
 
 }  // namespace scanlock
