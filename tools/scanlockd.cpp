@@ -135,6 +135,11 @@ int serve(const Config& config) {
                                 std::to_string(counters.rejected()) + " rejected, " +
                                 std::to_string(counters.without_time) + " without a time, " +
                                 std::to_string(counters.kernel_drops) + " datagrams dropped by the kernel");
+  if (counters.priors_rejected + counters.priors_absent + counters.priors_contradicting > 0) {
+    log_line(LogLevel::kInfo, "priors: " + std::to_string(counters.priors_rejected) + " messages rejected, " +
+                                  std::to_string(counters.priors_absent) + " scans without, " +
+                                  std::to_string(counters.priors_contradicting) + " scans that contradict");
+  }
   return 0;
 }
 

@@ -22,6 +22,7 @@ double milliseconds(Clock::duration duration) {
 /// LCM's own queue keeps the oldest; it stays short because the handler is quick. The sectors of a whole scan
 /// may come in one burst and have to fit (0 would mean no limit).
 constexpr int kQueueCapacity = 64;
+constexpr int kPriorCapacity = 1000;  // small messages, a thousand a second at most
 constexpr std::chrono::milliseconds kFirstRetry{250}, kLastRetry{8000};
 constexpr std::chrono::milliseconds kSocketPeriod{500};
 
@@ -36,7 +37,8 @@ Receiver::Receiver(const DaemonConfig& config, WorkInbox& inbox, Statistics& sta
       statistics_(statistics),
       stop_(stop),
       limits_{static_cast<std::size_t>(config.max_message_bytes), static_cast<std::size_t>(config.max_points),
-              config.mbot_clockwise} {
+              config.mbot_clockwise},
+      priors_(config) {
   for (const auto& channel : config.scan_channels)
     assemblers_.emplace(channel, SectorAssembler(limits_.max_points));
 }
@@ -91,6 +93,8 @@ std::unique_ptr<lcm::LCM> Receiver::try_connect() {
   }
   if (!config_.command_channel.empty())
     lcm->subscribe(literal_pattern(config_.command_channel), &Receiver::on_command, this);
+  for (const auto& channel : priors_.channels())
+    lcm->subscribe(literal_pattern(channel), &Receiver::on_prior, this)->setQueueCapacity(kPriorCapacity);
   if (is_multicast_url(url_) && lcm->getFileno() < 0) return nullptr;
   if (!is_multicast_url(url_)) return lcm;
 
@@ -150,6 +154,16 @@ void Receiver::on_command(const lcm::ReceiveBuffer* buffer, const std::string& c
   }
 }
 
+void Receiver::on_prior(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+  try {
+    const auto sentence =
+        priors_.take(channel, static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+    if (sentence) complain_of_prior(&Counters::priors_rejected, *sentence);
+  } catch (const std::exception& error) {
+    complain_of_prior(&Counters::priors_rejected, channel + ": " + error.what());
+  }
+}
+
 void Receiver::on_bytes(const lcm::ReceiveBuffer& buffer, const std::string& channel) {
   ReceivedScan received;
   received.arrival = Clock::now();
@@ -181,6 +195,9 @@ void Receiver::on_scan(DecodedScan decoded, ReceivedScan received, const std::st
                channel + ": scans without a time (utime <= 0); their time of arrival is taken");
     }
   }
+  PriorIntake::Reading reading = priors_.read(received.scan.utime);
+  received.prior = std::move(reading.sample);
+  if (!reading.fault.empty()) complain_of_prior(&Counters::priors_absent, "prior: " + reading.fault);
   received.decode_ms = milliseconds(Clock::now() - received.arrival);
   if (from_log_) {
     inbox_.put(std::move(received));
@@ -222,6 +239,13 @@ void Receiver::reject_command(const std::string& sentence) {
   statistics_.count(&Counters::commands_rejected);
   statistics_.set_error(sentence);
   if (rejections_.allows(Clock::now())) log_line(LogLevel::kWarning, "command rejected: " + sentence);
+}
+
+void Receiver::complain_of_prior(std::int64_t Counters::*counter, const std::string& sentence) {
+  statistics_.count(counter);
+  if (!prior_faults_.allows(Clock::now())) return;  // at hundreds a second they would hide every other error
+  statistics_.set_error(sentence);
+  log_line(LogLevel::kWarning, sentence);
 }
 
 void Receiver::watch_sockets() {

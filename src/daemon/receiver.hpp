@@ -12,6 +12,7 @@
 #include "daemon/config.hpp"
 #include "daemon/inbox.hpp"
 #include "daemon/log.hpp"
+#include "daemon/prior_intake.hpp"
 #include "daemon/statistics.hpp"
 #include "daemon/stop_signal.hpp"
 #include "messages/reports.hpp"
@@ -22,6 +23,7 @@ namespace scanlock {
 /// A scan on its way from the socket to the worker.
 struct ReceivedScan {
   Scan scan;
+  PriorSample prior;                              ///< what other sensors say of its instant
   std::int32_t seq = 0;                           ///< the sender's own count
   std::int64_t recv_utime = 0;                    ///< microseconds, wall clock
   std::chrono::steady_clock::time_point arrival;  ///< when its handler was entered
@@ -48,11 +50,13 @@ class Receiver {
   void on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_bytes(const lcm::ReceiveBuffer& buffer, const std::string& channel);
   void on_command(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void on_prior(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_scan(DecodedScan decoded, ReceivedScan received, const std::string& channel);
   void flush();
   void say_how_times_are_read(const DecodedScan& decoded, const std::string& channel);
   void reject(DecodeFault fault, const std::string& sentence);
   void reject_command(const std::string& sentence);
+  void complain_of_prior(std::int64_t Counters::*counter, const std::string& sentence);
   void watch_sockets();
 
   const DaemonConfig& config_;
@@ -63,13 +67,14 @@ class Receiver {
   const StopSignal& stop_;
   const DecodeLimits limits_;
   std::map<std::string, SectorAssembler> assemblers_;  ///< one for each scan channel
-  std::set<int> sockets_;                              ///< those that LCM receives with
-  std::int64_t drops_counted_ = 0;                     ///< of `sockets_`
+  PriorIntake priors_;
+  std::set<int> sockets_;           ///< those that LCM receives with
+  std::int64_t drops_counted_ = 0;  ///< of `sockets_`
   std::map<std::string, std::string>
       times_said_;  ///< by channel; drivers that change their minds are heard again
   Throttle times_{std::chrono::seconds(1)};
   Throttle rejections_{std::chrono::seconds(10)}, untimed_{std::chrono::seconds(60)},
-      drops_{std::chrono::seconds(10)};
+      drops_{std::chrono::seconds(10)}, prior_faults_{std::chrono::seconds(10)};
 };
 
 }  // namespace scanlock

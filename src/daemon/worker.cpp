@@ -41,6 +41,7 @@ Worker::Worker(const Config& config, WorkInbox& inbox, Slot<FinishedScan>& finis
       statistics_(statistics),
       maps_(config.daemon.map, statistics),
       tracker_(config.tracker),
+      judge_(body_from_sensor_),
       search_(is_log_url(input_url(config.daemon))) {
   if (std::optional<SavedMap> saved = maps_.load_at_start()) tracker_.load(std::move(*saved));
 }
@@ -75,6 +76,18 @@ void Worker::handle(const ReceivedScan& received) {
   }
 }
 
+TrackedScan Worker::track_with_prior(const ReceivedScan& received) {
+  TrackedScan tracked = tracker_.track(received.scan, judge_.prior(received.prior));
+  const std::int64_t before = judge_.contradictions();
+  const auto sentence = judge_.learn(received.prior, tracked);
+  statistics_.count(&Counters::priors_contradicting, judge_.contradictions() - before);
+  if (sentence) {
+    statistics_.set_error(*sentence);
+    log_line(LogLevel::kWarning, *sentence);
+  }
+  return tracked;
+}
+
 FinishedScan Worker::track(const ReceivedScan& received) {
   FinishedScan finished;
   std::array<float, 3> stages{};
@@ -89,7 +102,7 @@ FinishedScan Worker::track(const ReceivedScan& received) {
     stages[static_cast<std::size_t>(stage)] += milliseconds(now - mark);
     mark = now;
   });
-  finished.tracked = seen_from_body(tracker_.track(received.scan), body_from_sensor_);
+  finished.tracked = seen_from_body(track_with_prior(received), body_from_sensor_);
   tracker_.set_stage_observer(nullptr);
   finished.times.preprocess_ms = stages[0];
   finished.times.align_ms = stages[1];

@@ -11,6 +11,7 @@
 #include "daemon/scan_slot.hpp"
 #include "daemon/statistics.hpp"
 #include "messages/reports.hpp"
+#include "odometry/prior_judge.hpp"
 #include "odometry/tracker.hpp"
 
 namespace scanlock {
@@ -29,6 +30,7 @@ class Worker {
   void handle(const ReceivedScan& received);
   void handle(const Command& command);
   void execute(const Command& command);
+  TrackedScan track_with_prior(const ReceivedScan& received);
   FinishedScan track(const ReceivedScan& received);
 
   const Pose body_from_sensor_;
@@ -37,6 +39,7 @@ class Worker {
   Statistics& statistics_;
   MapStore maps_;
   Tracker tracker_;
+  PriorJudge judge_;
   BackgroundSearch search_;
 };
 

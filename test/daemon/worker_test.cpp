@@ -27,8 +27,9 @@ class Bench {
   }
   ~Bench() { end(); }
 
-  void scan(std::int64_t number) {
+  void scan(std::int64_t number, const PriorSample& prior = {}) {
     ReceivedScan received;
+    received.prior = prior;
     received.scan = hall_scan(Pose::Identity(), Vector6::Zero(), 1000000 + 100000 * number, 5);
     inbox_.put(std::move(received));
   }
@@ -163,4 +164,19 @@ TEST_CASE("without a scan no map file appears") {
   config.daemon.map.file = folder / "hall.map";
   { Bench bench(config); }
   CHECK_FALSE(std::filesystem::exists(config.daemon.map.file));
+}
+
+TEST_CASE("odometry that contradicts the scans is reported and the pose stays") {
+  Bench bench{Config{}};
+  for (int i = 0; i < 12; ++i) {
+    PriorSample prior;
+    prior.odometry = Pose(Eigen::Translation3d(1.0 * i, 0, 0));  // but the robot stands
+    bench.scan(i, prior);
+  }
+  const std::vector<TrackedScan> tracked = bench.end();
+  CHECK(bench.counters().priors_contradicting >= 5);
+  CHECK(bench.counters().last_error.find("odometry prior contradicts the scans") != std::string::npos);
+  REQUIRE(tracked.size() == 12);
+  CHECK(tracked.back().state == TrackingState::kTracking);
+  CHECK(tracked.back().map_from_body.translation().norm() < 0.05);
 }
