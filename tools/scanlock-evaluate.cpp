@@ -122,9 +122,9 @@ Json result_json(const Comparison& comparison) {
             {"10m", relative_json(e.rpe[1])},
             {"100m", relative_json(e.rpe[2])}}},
           {"kitti", relative_json(e.kitti)},
-          {"recovery_s", recovery_s},
           {"kidnaps", kidnaps},
-          {"wrong_jumps", wrong ? Json(*wrong) : Json(nullptr)}};
+          {"wrong_jumps", wrong ? Json(*wrong) : Json(nullptr)},
+          {"recovery_s", recovery_s}};
 }
 
 void run(const Options& options) {
