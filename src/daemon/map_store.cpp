@@ -2,7 +2,13 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/map_store.hpp"
 
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <set>
 #include <stdexcept>
 
 #include "daemon/log.hpp"
@@ -27,10 +33,26 @@ bool same_keyframes(const SavedMap& a, const SavedMap& b) {
   return true;
 }
 
+bool share_a_keyframe(const SavedMap& a, const SavedMap& b) {
+  std::set<std::int64_t> utimes;
+  for (const ArchivedKeyframe& keyframe : a.keyframes) utimes.insert(keyframe.utime);
+  return std::any_of(b.keyframes.begin(), b.keyframes.end(),
+                     [&](const ArchivedKeyframe& keyframe) { return utimes.count(keyframe.utime) > 0; });
+}
+
 std::string described(const SavedMap& map) {
   std::size_t points = 0;
   for (const ArchivedKeyframe& keyframe : map.keyframes) points += keyframe.points->size();
   return std::to_string(map.keyframes.size()) + " keyframes, " + std::to_string(points) + " points";
+}
+
+void keep(const std::string& file) {
+  const std::string kept = file + ".old";
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return;
+  std::filesystem::copy_file(file, kept, std::filesystem::copy_options::overwrite_existing, error);
+  if (error) throw std::runtime_error(kept + ": cannot keep the map before: " + error.message());
+  log_line(LogLevel::kInfo, file + ": holds another map, which is kept as " + kept);
 }
 
 }  // namespace
@@ -49,11 +71,19 @@ std::string MapStore::resolved(const std::string& path) const {
 std::optional<SavedMap> MapStore::load_at_start() {
   std::error_code error;
   if (config_.file.empty()) return std::nullopt;
-  if (!std::filesystem::exists(config_.file, error)) {
+  if (!std::filesystem::exists(config_.file, error) && !error) {
+    const std::string folder = std::filesystem::absolute(config_.file).parent_path();
+    if (access(folder.c_str(), W_OK) != 0)  // better said now than after the drive
+      throw std::runtime_error(config_.file + ": cannot be created there: " + std::strerror(errno));
     log_line(LogLevel::kInfo, config_.file + ": no map yet; it is written on exit");
     return std::nullopt;
   }
-  SavedMap map = read_map(config_.file);
+  SavedMap map;
+  try {
+    map = read_map(config_.file);
+  } catch (const std::runtime_error& damage) {
+    throw std::runtime_error(std::string(damage.what()) + "; move it away to begin a new map");
+  }
   log_line(LogLevel::kInfo, config_.file + ": map loaded: " + described(map));
   written_ = map;
   return map;
@@ -73,25 +103,36 @@ bool MapStore::is_busy() {
   return false;
 }
 
-bool MapStore::write(const std::string& path, const SavedMap& map) {
+bool MapStore::write(const std::string& path, const SavedMap& map, bool keep_old) {
   try {
+    if (keep_old) keep(path);
     write_map(path, map);
     log_line(LogLevel::kInfo, path + ": map saved: " + described(map));
     return true;
   } catch (const std::exception& error) {
-    statistics_.set_error(std::string("the map was not saved: ") + error.what());
-    log_line(LogLevel::kError, std::string("the map was not saved: ") + error.what());
+    complain(error);
     return false;
   }
+}
+
+void MapStore::complain(const std::exception& error) {
+  statistics_.set_error(std::string("the map was not saved: ") + error.what());
+  log_line(LogLevel::kError, std::string("the map was not saved: ") + error.what());
 }
 
 void MapStore::save(const std::string& path, SavedMap map) {
   const std::string file = resolved(path);
   if (map.keyframes.empty()) throw std::runtime_error(file + ": there is no map yet that could be saved");
   if (is_busy()) throw std::runtime_error(file + ": a map is being saved just now; ask again");
+  const bool keep_old = file == config_.file && is_another(map);
   if (file == config_.file) written_ = map;
-  writing_ =
-      std::async(std::launch::async, [this, file, saved = std::move(map)] { return write(file, saved); });
+  writing_ = std::async(std::launch::async, [this, file, keep_old, saved = std::move(map)] {
+    return write(file, saved, keep_old);
+  });
+}
+
+bool MapStore::is_another(const SavedMap& map) const {
+  return written_ && !written_->keyframes.empty() && !share_a_keyframe(*written_, map);
 }
 
 bool MapStore::is_due(Clock::time_point now) {
@@ -102,7 +143,11 @@ bool MapStore::is_due(Clock::time_point now) {
 
 void MapStore::save_if_grown(SavedMap map) {
   if (map.keyframes.empty() || (written_ && same_keyframes(*written_, map))) return;
-  save(config_.file, std::move(map));
+  try {
+    save(config_.file, std::move(map));
+  } catch (const std::exception& error) {
+    complain(error);
+  }
 }
 
 void MapStore::save_at_exit(const SavedMap& map) {
@@ -110,7 +155,7 @@ void MapStore::save_at_exit(const SavedMap& map) {
   if (is_busy() || config_.file.empty() || map.keyframes.empty()) return;
   const bool same =
       written_ && same_keyframes(*written_, map) && written_->last_pose.matrix() == map.last_pose.matrix();
-  if (!same) write(config_.file, map);
+  if (!same) write(config_.file, map, is_another(map));
 }
 
 }  // namespace scanlock

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <exception>
 #include <future>
 #include <optional>
 #include <string>
@@ -41,7 +42,9 @@ class MapStore {
  private:
   std::string resolved(const std::string& path) const;
   bool is_busy();
-  bool write(const std::string& path, const SavedMap& map);
+  bool is_another(const SavedMap& map) const;
+  void complain(const std::exception& error);
+  bool write(const std::string& path, const SavedMap& map, bool keep_old);
 
   const MapConfig config_;
   Statistics& statistics_;

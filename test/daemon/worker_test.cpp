@@ -158,6 +158,30 @@ TEST_CASE("a damaged map stops the start and stays as it is") {
   CHECK(file_bytes(config.daemon.map.file) == bytes);
 }
 
+TEST_CASE("a map that the new one does not continue is kept") {
+  const TemporaryDirectory folder;
+  Config config;
+  config.daemon.map.file = folder / "hall.map";
+  {
+    Bench bench(config);
+    for (int i = 0; i < 3; ++i) bench.scan(i);
+  }
+  const Bytes before = file_bytes(config.daemon.map.file);
+  {
+    Bench bench(config);
+    bench.command(CommandKind::kReset);
+    for (int i = 3; i < 6; ++i) bench.scan(i);
+  }
+  CHECK(file_bytes(folder / "hall.map.old") == before);
+  CHECK(read_map(config.daemon.map.file).keyframes.at(0).utime > 1000000 + 100000 * 2);
+}
+
+TEST_CASE("a map that could not be saved later is an error at the start") {
+  Config config;
+  config.daemon.map.file = "/nonexistent/folder/hall.map";
+  CHECK_THROWS_AS(Bench{config}, std::runtime_error);
+}
+
 TEST_CASE("without a scan no map file appears") {
   const TemporaryDirectory folder;
   Config config;
