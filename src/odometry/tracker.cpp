@@ -157,7 +157,7 @@ struct Tracker::State {
     }
     odometer.keep(utime, scan, attempt.health.overlap);
     if (archive.wants(last_trusted_pose.translation(), scan.median_range))
-      archive.add(utime, last_trusted_pose, scan.median_range, deskewed(scan.fine, odometer.state().twist));
+      archive.add(utime, last_trusted_pose, scan.median_range, deskewed(scan.source, odometer.state().twist));
   }
 
   /// Nothing was learnt: the prediction stands in, and is not believed for long.
@@ -191,8 +191,9 @@ struct Tracker::State {
   }
 
   /// The state follows the excursion: where the robot would be, had it not been lost.
-  void follow_excursion(double dt) {
-    MotionPrior prior = odometer.predict(dt);
+  /// It knows its way, so that the prediction does not get worse.
+  void follow_excursion() {
+    MotionPrior prior = odometer.predict(0);
     prior.mean = excursion->state();
     odometer.coast(prior);
   }
@@ -208,7 +209,7 @@ struct Tracker::State {
       come_back(utime, scan, attempt, tracked);
       return;
     }
-    follow_excursion(dt);
+    follow_excursion();
     describe(attempt, PoseMethod::kPredicted, tracked);
     if (state == TrackingState::kRecovering && archive.empty()) state = TrackingState::kLost;
   }
