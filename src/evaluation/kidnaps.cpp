@@ -119,7 +119,8 @@ std::vector<Kidnap> find_kidnaps(const Trajectory& reference) {
         (kJumpAngle + 0.5 * kAngularAcceleration * dt * dt + (known ? 0 : 10 * dt)) / kDegree;
     if (metres(surprise) > metres_allowed || degrees(surprise) > degrees_allowed) {
       kidnaps.push_back({i, reference[i].time_s, metres(surprise), degrees(surprise), std::nullopt});
-      continue;  // this step is no velocity
+      known = false;  // who is set down the other way round drives backwards
+      continue;
     }
     velocity = se3_log(step) / dt;
     known = true;

@@ -75,6 +75,17 @@ TEST_CASE("a kidnap is found by its place or by its turn alone") {
   CHECK(find_kidnaps(turned).size() == 1);
 }
 
+TEST_CASE("a robot that is turned round and driven on backwards is kidnapped once") {
+  Trajectory truth;
+  Pose pose = Pose::Identity();
+  for (int i = 0; i < 100; ++i) {
+    pose = pose * exp6(i < 50 ? 0.9 : -0.9, 0, 0, 0, 0, 0.01);
+    if (i == 50) pose = pose * exp6(0, 5, 0, 0, 0, 3.1);
+    truth.push_back({0.1 * i, pose});
+  }
+  CHECK(find_kidnaps(truth).size() == 1);
+}
+
 TEST_CASE("the time until the estimate is back and stays") {
   const KidnapReport report = examine(kidnapped_drive(1.3));
   REQUIRE(report.kidnaps.size() == 1);
