@@ -43,12 +43,12 @@ void Excursion::coast(double dt) {
 
 PointCloud Excursion::submap(double radius, Eigen::Vector3d& centre) const {
   const PointCloud& cloud = odometer_.map().cloud();
-  centre = odometer_.map().origin();
-  const Eigen::Vector3f here = (odometer_.state().pose.translation() - centre).cast<float>();
+  centre = odometer_.state().pose.translation();
+  const Eigen::Vector3f here = (centre - odometer_.map().origin()).cast<float>();
   PointCloud near;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const float dx = cloud.x[i] - here.x(), dy = cloud.y[i] - here.y();
-    if (dx * dx + dy * dy < static_cast<float>(radius * radius)) near.push_back(cloud.point(i));
+    const Eigen::Vector3f p = cloud.point(i) - here;
+    if (p.head<2>().squaredNorm() < static_cast<float>(radius * radius)) near.push_back(p);
   }
   return near;
 }

@@ -14,6 +14,16 @@ constexpr double kSourceReach = 2.5;  // of the scene's size, radius of what is 
 constexpr double kOffset = 20.0;      // metres: how far from a centre the robot is looked for
 constexpr double kVoxel = 0.03;       // of the scene's size
 
+Eigen::Vector3d nearest_place(const KeyframeArchive& archive, const Eigen::Vector3d& centre) {
+  const auto distance = [&](const ArchivedKeyframe& k) {
+    return (k.map_from_body.translation() - centre).norm();
+  };
+  const auto nearest = std::min_element(
+      archive.keyframes().begin(), archive.keyframes().end(),
+      [&](const ArchivedKeyframe& a, const ArchivedKeyframe& b) { return distance(a) < distance(b); });
+  return nearest->map_from_body.translation();
+}
+
 }  // namespace
 
 void PlaceSearch::begin(const Eigen::Vector3d& anchor) {
@@ -41,7 +51,9 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
   RecoveryRequest request;
   request.serial = ++serial_;
   request.utime = utime;
-  request.target_centre = turn < 2 ? anchor_ : others[static_cast<std::size_t>(turn - 2)];
+  // The centre is where a sensor was, so that what it saw through is known to be empty.
+  request.target_centre =
+      nearest_place(archive, turn < 2 ? anchor_ : others[static_cast<std::size_t>(turn - 2)]);
   request.radius = kSourceReach * scene_ + kOffset;
   request.voxel = kVoxel * scene_;
   request.places = archive.keyframes();
