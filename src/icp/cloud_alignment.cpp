@@ -79,13 +79,24 @@ class CloudAligner {
   }
 
   CloudAlignment run(const Pose& start) {
-    Pose pose = shift(-target_.centre()) * start * shift(source_.centre);
+    Pose pose = centred_pose(start);
     pose = method_.robust ? solve_robust(pose) : solve_squares(pose);
     result_.target_from_source = renormalised(shift(target_.centre()) * pose * shift(-source_.centre));
     return result_;
   }
 
+  double misfit(const Pose& guess) const {
+    CloudProblem problem(source_.points, target_, setup_);
+    const Pose pose = centred_pose(guess);
+    problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
+    return median(problem.residuals());
+  }
+
  private:
+  Pose centred_pose(const Pose& pose) const {
+    return shift(-target_.centre()) * pose * shift(source_.centre);
+  }
+
   static Pose shift(const Eigen::Vector3d& by) {
     Pose pose = Pose::Identity();
     pose.translation() = by;
@@ -120,9 +131,22 @@ class CloudAligner {
     descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 1000;
     descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : 6;
     descent.tolerance = tolerance_;
+    report_progress(&descent, 0.0, 1.0);
     account(descend(problem, problem.begin(start, 1.0, 2.0 * everything(start)), descent));
     finish(problem);
     return problem.pose();
+  }
+
+  /// A descent that takes the share of the work from `begin` to `end` tells how far it has come: steps shrink
+  /// by about the same factor each time.
+  void report_progress(DescentOptions* descent, double begin, double end) const {
+    if (!options_.progress) return;
+    descent->step_length = [=, &report = options_.progress, tolerance = descent->tolerance,
+                            first = 0.0](double step) mutable {
+      first = std::max(first, step);
+      const double share = step > tolerance ? std::log(first / step) / std::log(first / tolerance) : 1.0;
+      report(begin + (end - begin) * std::clamp(share, 0.0, 1.0));
+    };
   }
 
   /// Distances to planes have a narrow basin: from far away they settle on a wrong alignment where distances
@@ -185,6 +209,9 @@ class CloudAligner {
     result_.nu_min = options_.nu_min > 0 ? options_.nu_min
                      : point             ? target_.point_nu_min()
                                          : target_.plane_nu_min();
+    // The normals of a thinned cloud are good to its spacing; the paper's rule for planes asks more of them.
+    if (options_.voxel > 0 && !(options_.nu_min > 0))
+      result_.nu_min = std::max(result_.nu_min, target_.point_nu_min());
     result_.nu_max = options_.nu_max;
     if (!(result_.nu_max > 0)) {
       const PointCloud some = thinned(source_.points, kMedianPoints);
@@ -267,6 +294,10 @@ std::vector<std::string> cloud_method_names() {
 CloudAlignment align_clouds(const PointCloud& source, const CloudTarget& target, const Pose& start,
                             const CloudMethod& method, const CloudAlignmentOptions& options) {
   return CloudAligner(source, target, method, options).run(start);
+}
+
+double misfit(const PointCloud& source, const CloudTarget& target, const Pose& guess) {
+  return CloudAligner(thinned(source, kMedianPoints), target, {IcpObjective::kPoint}, {}).misfit(guess);
 }
 
 }  // namespace scanlock

@@ -57,4 +57,8 @@ double sensible_voxel(const PointCloud& cloud) {
   return voxel;
 }
 
+PointCloud thinned_by(const PointCloud& cloud, double voxel) {
+  return voxel > 0 ? select(cloud, thin_by_voxel(cloud, static_cast<float>(voxel))) : cloud;
+}
+
 }  // namespace scanlock

@@ -10,4 +10,7 @@ namespace scanlock {
 /// (keep all) for a cloud that has not many more.
 double sensible_voxel(const PointCloud& cloud);
 
+/// thin_by_voxel(), selected; the cloud itself for a voxel of 0.
+PointCloud thinned_by(const PointCloud& cloud, double voxel);
+
 }  // namespace scanlock
