@@ -18,8 +18,9 @@ constexpr double kNuMaxOfMedian = 3.0;  // section 4.3
 constexpr double kNuFactor = 0.5;
 constexpr double kTolerance = 1e-5;  // of the diagonal
 constexpr std::size_t kApproachPoints = 1024;
-constexpr double kApproachTolerance = 0.05;  // of nu
-constexpr double kApproachEnd = 2.0;         // spacings
+constexpr double kFirstSpread = 0.002, kSpreadStep = 1.4;  // of the diagonal
+constexpr double kApproachTolerance = 0.05;                // of nu
+constexpr double kApproachEnd = 2.0;                       // spacings
 constexpr std::size_t kMedianPoints = 2048;
 constexpr double kInlierSpacings = 2.0;
 constexpr double kGateMargin = 2.0;   // spacings, on top of the reach of nu, for distances within planes
@@ -45,16 +46,27 @@ PointCloud thinned(const PointCloud& points, std::size_t count) {
   return select(points, indices);
 }
 
-/// Of the absolute values of those that are not NaN.
-double median(const std::vector<float>& numbers) {
-  std::vector<float> values;
-  for (float v : numbers) {
-    if (!std::isnan(v)) values.push_back(std::abs(v));
+/// Points in an order in which the first n / 2^k of them are spread over the whole cloud, for every k, and
+/// neighbours stay together within each such part.
+PointCloud in_level_order(const PointCloud& points) {
+  const std::size_t n = points.size();
+  std::size_t stride = 1;
+  while (2 * stride < n) stride *= 2;
+  std::vector<std::uint32_t> indices;
+  indices.reserve(n);
+  for (std::size_t i = 0; i < n; i += stride) indices.push_back(static_cast<std::uint32_t>(i));
+  for (; stride > 1; stride /= 2) {
+    for (std::size_t i = stride / 2; i < n; i += stride) indices.push_back(static_cast<std::uint32_t>(i));
   }
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return select(points, indices);
+}
+
+/// Points about equally far apart, `count` to twice as many where there are so many.
+PointCloud spread_out(const PointCloud& points, double diagonal, std::size_t count) {
+  PointCloud result = points;
+  for (double voxel = kFirstSpread * diagonal; result.size() > 2 * count && voxel > 0; voxel *= kSpreadStep)
+    result = select(result, thin_by_voxel(result, static_cast<float>(voxel)));
+  return result;
 }
 
 class CloudAligner {
@@ -73,6 +85,7 @@ class CloudAligner {
       tree.rebuild(source_.points);
       estimate_normals(&source_.points, tree, CloudTarget::kNormalNeighbours, options.threads);
     }
+    source_.points = in_level_order(source_.points);
     setup_ = {method.objective, method.coordinates, method.robust, options.threads};
     effort_ = method.objective == IcpObjective::kPoint ? kPointEffort : kPlaneEffort;
     tolerance_ = options.tolerance > 0 ? options.tolerance : kTolerance * target.diagonal();
@@ -89,7 +102,7 @@ class CloudAligner {
     CloudProblem problem(source_.points, target_, setup_);
     const Pose pose = centred_pose(guess);
     problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
-    return median(problem.residuals());
+    return problem.median_residual(kMedianPoints);
   }
 
  private:
@@ -112,9 +125,9 @@ class CloudAligner {
   /// is below rounding there. A plane reaches farther than the surface it stands for, so a point far away can
   /// lie on it by chance (the authors' code lets it, and slides along some scenes); the gate closes as nu
   /// does.
-  double gate(double nu) const {
+  double gate(double nu, double first_nu) const {
     if (method_.objective == IcpObjective::kPoint) return kWelschReach * nu;
-    return std::max(first_gate_ * nu / result_.nu_max, 3.0 * nu + kGateMargin * target_.spacing());
+    return std::max(first_gate_ * nu / first_nu, 3.0 * nu + kGateMargin * target_.spacing());
   }
 
   void account(const DescentResult& level) {
@@ -149,16 +162,17 @@ class CloudAligner {
     };
   }
 
-  /// Distances to planes have a narrow basin: from far away they settle on a wrong alignment where distances
-  /// to points still find the right one. So these go first, over few points and down to a nu where planes
-  /// take over.
+  /// The first levels need few points, but of equal density: rows and rings of a scan, dense near the sensor,
+  /// hold on to those of the other. They go by distances to points, whose basin is wide, down to a nu where
+  /// the method itself takes over.
   Pose approach(Pose pose) {
-    const PointCloud some = thinned(source_.points, kApproachPoints);
+    const PointCloud some = spread_out(source_.points, source_.diagonal, kApproachPoints);
     CloudProblem::Setup setup = setup_;
     setup.objective = IcpObjective::kPoint;
     CloudProblem problem(some, target_, setup);
     problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
-    double nu = kNuMaxOfMedian * median(problem.residuals());
+    double nu = kNuMaxOfMedian * problem.median_residual(kMedianPoints);
+    result_.nu_max = nu;
     DescentOptions descent;
     descent.max_iterations = 100;
     descent.max_line_search_steps = 0;
@@ -172,26 +186,28 @@ class CloudAligner {
   }
 
   Pose solve_robust(Pose pose) {
-    if (method_.objective != IcpObjective::kPoint && !options_.thorough) pose = approach(pose);
-    choose_nu(pose);
+    if (!options_.thorough && !(options_.nu_max > 0)) pose = approach(pose);
+    CloudProblem problem(source_.points, target_, setup_);
+    const double first_nu = choose_nu(pose, &problem);
     DescentOptions descent;
     descent.anderson_window = method_.accelerated ? AndersonAcceleration::kMaxWindow : 0;
     descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 100;
     descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : 6;
     const double last_tolerance = std::min(tolerance_, effort_.last_tolerance * result_.nu_min);
-    double nu = result_.nu_max;
-    for (; nu > result_.nu_min; nu *= kNuFactor) {
-      const PointCloud some = options_.thorough ? source_.points : thinned(source_.points, points_for(nu));
-      CloudProblem upper(some, target_, setup_);
+    const double levels = 1.0 + std::max(0.0, std::ceil(std::log2(first_nu / result_.nu_min)));
+    double level = 0;
+    for (double nu = first_nu; nu > result_.nu_min; nu *= kNuFactor, ++level) {
+      problem.use_first(options_.thorough ? source_.points.size() : points_for(nu));
       descent.tolerance =
           options_.thorough ? last_tolerance : std::max(last_tolerance, effort_.upper_tolerance * nu);
-      account(descend(upper, upper.begin(pose, nu, gate(nu)), descent));
-      pose = upper.pose();
-      count_searches(upper);
+      report_progress(&descent, level / levels, (level + 1) / levels);
+      account(descend(problem, problem.begin(pose, nu, gate(nu, first_nu)), descent));
+      pose = problem.pose();
     }
-    CloudProblem problem(source_.points, target_, setup_);
+    problem.use_first(source_.points.size());
     descent.tolerance = last_tolerance;
-    account(descend(problem, problem.begin(pose, result_.nu_min, gate(result_.nu_min)), descent));
+    report_progress(&descent, level / levels, 1.0);
+    account(descend(problem, problem.begin(pose, result_.nu_min, gate(result_.nu_min, first_nu)), descent));
     finish(problem);
     return problem.pose();
   }
@@ -199,12 +215,17 @@ class CloudAligner {
   /// The upper levels only have to bring the lower ones into their basin: each gets half as many points as
   /// the next.
   std::size_t points_for(double nu) const {
-    const double points =
-        effort_.upper_share * static_cast<double>(source_.points.size()) * result_.nu_min / nu;
-    return std::max(effort_.least_points, static_cast<std::size_t>(points));
+    const double wanted =
+        std::max(static_cast<double>(effort_.least_points),
+                 effort_.upper_share * static_cast<double>(source_.points.size()) * result_.nu_min / nu);
+    std::size_t stride = 1;
+    while (static_cast<double>(source_.points.size()) / static_cast<double>(2 * stride) >= wanted)
+      stride *= 2;
+    return (source_.points.size() + stride - 1) / stride;
   }
 
-  void choose_nu(const Pose& pose) {
+  /// Returns the first nu of the method's own levels.
+  double choose_nu(const Pose& pose, CloudProblem* problem) {
     const bool point = method_.objective == IcpObjective::kPoint;
     result_.nu_min = options_.nu_min > 0 ? options_.nu_min
                      : point             ? target_.point_nu_min()
@@ -212,16 +233,16 @@ class CloudAligner {
     // The normals of a thinned cloud are good to its spacing; the paper's rule for planes asks more of them.
     if (options_.voxel > 0 && !(options_.nu_min > 0))
       result_.nu_min = std::max(result_.nu_min, target_.point_nu_min());
-    result_.nu_max = options_.nu_max;
-    if (!(result_.nu_max > 0)) {
-      const PointCloud some = thinned(source_.points, kMedianPoints);
-      CloudProblem problem(some, target_, setup_);
-      problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
-      first_gate_ = kFirstGate * std::sqrt(median(problem.squared_distances()));
-      result_.nu_max = kNuMaxOfMedian * median(problem.residuals());
-      count_searches(problem);
+    double first_nu = options_.nu_max;
+    if (!(first_nu > 0)) {
+      problem->use_first(std::min(source_.points.size(), kMedianPoints));
+      problem->evaluate(problem->begin(pose, 1.0, 2.0 * everything(pose)));
+      first_gate_ = kFirstGate * problem->median_distance(kMedianPoints);
+      first_nu = kNuMaxOfMedian * problem->median_residual(kMedianPoints);
     }
-    result_.nu_max = std::max(result_.nu_max, result_.nu_min);
+    first_nu = std::max(first_nu, result_.nu_min);
+    result_.nu_max = std::max(result_.nu_max, first_nu);
+    return first_nu;
   }
 
   void count_searches(const CloudProblem& problem) {
@@ -233,12 +254,12 @@ class CloudAligner {
   void finish(const CloudProblem& problem) {
     count_searches(problem);
     const double gate = kInlierSpacings * std::max(target_.spacing(), 3.0 * result_.nu_min);
-    const auto& squared = problem.squared_distances();
-    const auto inliers =
-        std::count_if(squared.begin(), squared.end(), [&](float d) { return d <= gate * gate; });
+    std::size_t inliers = 0;
+    for (std::size_t i = 0; i < source_.points.size(); ++i)
+      inliers += problem.pair(i).squared_distance <= gate * gate ? 1 : 0;
     result_.inlier_ratio = static_cast<double>(inliers) / static_cast<double>(source_.points.size());
     // Rings and rows make the spacing much smaller than the distance of honest pairs: those are asked, too.
-    const double honest = std::max(gate, kHonestPairs * std::sqrt(static_cast<double>(median(squared))));
+    const double honest = std::max(gate, kHonestPairs * problem.median_distance(source_.points.size()));
     // Distances to points use planes less well than distances to planes: as if nu were below the noise.
     const double planes_nu = method_.robust ? result_.nu_min : 0.0;
     const AlignmentCertainty certainty =

@@ -34,7 +34,6 @@ std::vector<PlanePair> plane_pairs(const PointCloud& source, const CloudTarget& 
                                    const CloudProblem& problem, double gate) {
   std::vector<PlanePair> pairs;
   const std::size_t stride = std::max<std::size_t>(1, source.size() / kSamples);
-  const std::vector<std::int32_t>& indices = problem.correspondences().indices();
   const Pose& pose = problem.pose();
   LocalSurfaces surfaces;
   const PointCloud& to = target.points();
@@ -42,20 +41,21 @@ std::vector<PlanePair> plane_pairs(const PointCloud& source, const CloudTarget& 
     surfaces.reset(to, target.tree(),
                    static_cast<float>(kRadius * std::max(target.spacing(), 1e-6 * target.diagonal())));
     std::vector<std::int32_t> wanted;
-    for (std::size_t i = 0; i < source.size(); i += stride) wanted.push_back(indices[i]);
+    for (std::size_t i = 0; i < source.size(); i += stride) wanted.push_back(problem.pair(i).target);
     surfaces.prepare(wanted, 1);
   }
   for (std::size_t i = 0; i < source.size(); i += stride) {
-    if (indices[i] < 0 || !(problem.squared_distances()[i] <= gate * gate)) continue;
-    const std::size_t q = static_cast<std::size_t>(indices[i]);
-    const Eigen::Vector3f normal = target.normals_ready() ? to.normal(q) : surfaces.at(indices[i]).normal;
+    const CloudProblem::Pair found = problem.pair(i);
+    if (found.target < 0 || !(found.squared_distance <= gate * gate)) continue;
+    const std::size_t q = static_cast<std::size_t>(found.target);
+    const Eigen::Vector3f normal = target.normals_ready() ? to.normal(q) : surfaces.at(found.target).normal;
     if (normal.isZero(0)) continue;
     const Eigen::Vector3d p = source.point(i).cast<double>(), n = normal.cast<double>();
     const Eigen::Vector3d body_normal = pose.linear().transpose() * n;
     PlanePair pair;
     pair.j << body_normal, p.cross(body_normal);
     pair.residual = n.dot(pose * p - to.point(q).cast<double>());
-    pair.target = indices[i];
+    pair.target = found.target;
     pairs.push_back(pair);
   }
   return pairs;
