@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "geometry/voxel_grid.hpp"
 #include "icp/cloud_covariance.hpp"
@@ -17,10 +18,10 @@ namespace {
 constexpr double kNuMaxOfMedian = 3.0;  // section 4.3
 constexpr double kNuFactor = 0.5;
 constexpr double kTolerance = 1e-5;  // of the diagonal
-constexpr std::size_t kApproachPoints = 1024;
-constexpr double kFirstSpread = 0.002, kSpreadStep = 1.4;  // of the diagonal
-constexpr double kApproachTolerance = 0.05;                // of nu
-constexpr double kApproachEnd = 2.0;                       // spacings
+constexpr std::size_t kApproachPoints = 512, kSpreadFrom = 12000;
+constexpr double kFirstSpread = 0.005, kSpreadStep = 1.4;  // of the diagonal
+constexpr double kApproachTolerance = 0.02;                // of nu
+constexpr double kApproachEnd = 0.7;                       // spacings
 constexpr std::size_t kMedianPoints = 2048;
 constexpr double kInlierSpacings = 2.0;
 constexpr double kGateMargin = 2.0;   // spacings, on top of the reach of nu, for distances within planes
@@ -36,7 +37,7 @@ struct Effort {
   std::size_t least_points;
 };
 constexpr Effort kPointEffort = {0.001, 0.003, 1.0, 1024};
-constexpr Effort kPlaneEffort = {0.1, 0.1, 1.0, 1024};
+constexpr Effort kPlaneEffort = {0.02, 0.1, 1.0, 1024};
 
 /// Every n-th point, so that about `count` are left.
 PointCloud thinned(const PointCloud& points, std::size_t count) {
@@ -63,9 +64,15 @@ PointCloud in_level_order(const PointCloud& points) {
 
 /// Points about equally far apart, `count` to twice as many where there are so many.
 PointCloud spread_out(const PointCloud& points, double diagonal, std::size_t count) {
-  PointCloud result = points;
-  for (double voxel = kFirstSpread * diagonal; result.size() > 2 * count && voxel > 0; voxel *= kSpreadStep)
-    result = select(result, thin_by_voxel(result, static_cast<float>(voxel)));
+  PointCloud result = thinned(points, kSpreadFrom);
+  result.nx.clear();
+  result.ny.clear();
+  result.nz.clear();
+  for (double voxel = kFirstSpread * diagonal; result.size() > 2 * count && voxel > 0; voxel *= kSpreadStep) {
+    PointCloud next = select(result, thin_by_voxel(result, static_cast<float>(voxel)));
+    if (next.size() < count / 2) break;  // a few far clusters, which no voxel spreads out
+    result = std::move(next);
+  }
   return result;
 }
 
@@ -167,20 +174,23 @@ class CloudAligner {
   /// the method itself takes over.
   Pose approach(Pose pose) {
     const PointCloud some = spread_out(source_.points, source_.diagonal, kApproachPoints);
+    const CloudTarget coarse(spread_out(target_.points(), target_.diagonal(), 2 * kApproachPoints));
     CloudProblem::Setup setup = setup_;
     setup.objective = IcpObjective::kPoint;
-    CloudProblem problem(some, target_, setup);
+    CloudProblem problem(some, coarse, setup);
+    pose = shift(-coarse.centre()) * pose;
     problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
     double nu = kNuMaxOfMedian * problem.median_residual(kMedianPoints);
     result_.nu_max = nu;
     DescentOptions descent;
     descent.max_iterations = 100;
     descent.max_line_search_steps = 0;
-    for (; nu > kApproachEnd * target_.spacing(); nu *= kNuFactor) {
+    for (; nu > kApproachEnd * coarse.spacing(); nu *= kNuFactor) {
       descent.tolerance = kApproachTolerance * nu;
       account(descend(problem, problem.begin(pose, nu, kWelschReach * nu), descent));
       pose = problem.pose();
     }
+    pose = shift(coarse.centre()) * pose;
     count_searches(problem);
     return pose;
   }

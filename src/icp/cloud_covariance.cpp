@@ -13,7 +13,7 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kSamples = 8192;
+constexpr std::size_t kSamples = 2048;
 constexpr double kSigmaOfMedian = 1.4826;  // of a normal distribution
 constexpr double kReach = 3.0;             // sigmas
 constexpr double kRadius = 5.0;            // spacings; for normals of targets that have none
