@@ -33,6 +33,7 @@ DescentResult descend(DescentProblem& problem, const StateVector& start, const D
     ++result.evaluations;
     if (accelerated && !(energy < result.energy)) {
       ++result.rejected;
+      anderson.reset();
       trial = image;
       energy = problem.evaluate(trial);
       ++result.evaluations;
