@@ -18,10 +18,11 @@ namespace {
 constexpr double kNuMaxOfMedian = 3.0;  // section 4.3
 constexpr double kNuFactor = 0.5;
 constexpr double kTolerance = 1e-5;  // of the diagonal
-constexpr std::size_t kApproachPoints = 512, kSpreadFrom = 12000;
+constexpr std::size_t kApproachPoints = 512, kEvenPoints = 1024, kSpreadFrom = 12000;
 constexpr double kFirstSpread = 0.005, kSpreadStep = 1.4;  // of the diagonal
-constexpr double kApproachTolerance = 0.02;                // of nu
-constexpr double kApproachEnd = 0.7;                       // spacings
+constexpr double kJudgeShare = 0.33, kJudgeSpacings = 2.0, kMostlyOff = 0.5;
+constexpr double kApproachTolerance = 0.02;  // of nu
+constexpr double kApproachEnd = 0.7;         // spacings
 constexpr std::size_t kMedianPoints = 2048;
 constexpr double kInlierSpacings = 2.0;
 constexpr double kGateMargin = 2.0;   // spacings, on top of the reach of nu, for distances within planes
@@ -169,29 +170,53 @@ class CloudAligner {
     };
   }
 
-  /// The first levels need few points, but of equal density: rows and rings of a scan, dense near the sensor,
-  /// hold on to those of the other. They go by distances to points, whose basin is wide, down to a nu where
-  /// the method itself takes over.
-  Pose approach(Pose pose) {
-    const PointCloud some = spread_out(source_.points, source_.diagonal, kApproachPoints);
+  /// The first levels need few points, but equally far apart: rows and rings of a scan, dense near the
+  /// sensor, hold on to those of the other. They go by distances to points, whose basin is wide, down to a nu
+  /// where the method itself takes over. Where most of the points then still lie off the target (little
+  /// overlap, or clutter that fills the room and outweighs the surfaces), points chosen evenly over the
+  /// source have a try too, and the better one goes on.
+  Pose approach(const Pose& start) {
     const CloudTarget coarse(spread_out(target_.points(), target_.diagonal(), 2 * kApproachPoints));
+    const PointCloud apart = spread_out(source_.points, source_.diagonal, kApproachPoints);
     CloudProblem::Setup setup = setup_;
     setup.objective = IcpObjective::kPoint;
-    CloudProblem problem(some, coarse, setup);
-    pose = shift(-coarse.centre()) * pose;
-    problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
-    double nu = kNuMaxOfMedian * problem.median_residual(kMedianPoints);
-    result_.nu_max = nu;
+    CloudProblem problem(apart, coarse, setup), judge(apart, target_, setup);
+    const Pose shifted = shift(-coarse.centre()) * start;
+    const double last_nu = kApproachEnd * coarse.spacing();
+    const Pose one =
+        shift(coarse.centre()) * descend_levels(shifted, first_nu(shifted, &problem), last_nu, &problem);
+    count_searches(problem);
+    const double nu = std::max(kJudgeShare * last_nu, kJudgeSpacings * target_.spacing());
+    const auto off = [nu](CloudProblem& of, const Pose& pose) {
+      return of.evaluate(of.begin(pose, nu, kWelschReach * nu)) / static_cast<double>(of.used());
+    };
+    const double one_off = off(judge, one);
+    if (one_off < kMostlyOff) return one;
+    const PointCloud evenly = thinned(source_.points, kEvenPoints);
+    CloudProblem second(evenly, target_, setup);
+    const Pose two = descend_levels(start, first_nu(start, &second), nu, &second);
+    const bool better = off(judge, two) + off(second, two) < one_off + off(second, one);
+    count_searches(judge);
+    count_searches(second);
+    return better ? two : one;
+  }
+
+  /// Section 4.3.
+  double first_nu(const Pose& pose, CloudProblem* problem) const {
+    problem->evaluate(problem->begin(pose, 1.0, 2.0 * everything(pose)));
+    return kNuMaxOfMedian * problem->median_residual(kMedianPoints);
+  }
+
+  Pose descend_levels(Pose pose, double nu, double last_nu, CloudProblem* problem) {
+    result_.nu_max = std::max(result_.nu_max, nu);
     DescentOptions descent;
     descent.max_iterations = 100;
     descent.max_line_search_steps = 0;
-    for (; nu > kApproachEnd * coarse.spacing(); nu *= kNuFactor) {
+    for (; nu > last_nu; nu *= kNuFactor) {
       descent.tolerance = kApproachTolerance * nu;
-      account(descend(problem, problem.begin(pose, nu, kWelschReach * nu), descent));
-      pose = problem.pose();
+      account(descend(*problem, problem->begin(pose, nu, kWelschReach * nu), descent));
+      pose = problem->pose();
     }
-    pose = shift(coarse.centre()) * pose;
-    count_searches(problem);
     return pose;
   }
 
