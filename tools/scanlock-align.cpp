@@ -323,15 +323,19 @@ void run(const Options& options) {
   const CloudMethod method = *find_cloud_method(options.method);
   Stopwatch whole, watch;
   Milliseconds ms;
-  const PointCloud source_file = read_cloud(options.source), target_file = read_cloud(options.target);
+  PointCloud source_file = read_cloud(options.source), target_file = read_cloud(options.target);
   const Pose start = options.init.empty() ? Pose::Identity() : read_transform(options.init);
   ms.read = watch.lap();
+  if (options.output.empty()) source_file.intensity = {};
+  target_file.intensity = {};
   const double voxel = options.voxel >= 0 ? options.voxel : sensible_voxel(target_file);
   const PointCloud thin_source = voxel > 0 ? thinned_by(source_file, voxel) : PointCloud{};
   const PointCloud thin_target = voxel > 0 ? thinned_by(target_file, voxel) : PointCloud{};
   const PointCloud& source = voxel > 0 ? thin_source : source_file;
   const PointCloud& target_cloud = voxel > 0 ? thin_target : target_file;
   CloudTarget target = make_target(options, target_cloud);
+  const std::size_t target_points = target_cloud.size();
+  if (options.picture.empty()) target_file = PointCloud{};  // the target has its own copy
   ms.index = watch.lap();
   if (method.needs_normals()) target.prepare_normals(options.threads);
   ms.normals = watch.lap();
@@ -348,7 +352,7 @@ void run(const Options& options) {
   bar.reset();
   ms.solve = watch.lap();
   ms.total = whole.lap();
-  Json json = result_json(options, result, source.size(), target_cloud.size(), voxel, ms);
+  Json json = result_json(options, result, source.size(), target_points, voxel, ms);
   if (!options.truth.empty())
     add_truth(source_file, result.target_from_source, read_transform(options.truth), &json);
   if (!options.output.empty()) write_cloud(options.output, moved(source_file, result.target_from_source));
