@@ -1,0 +1,113 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "global/angle_stabbing.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scanlock {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kTurn = 2 * kPi;
+constexpr double kUlps = 32 * 2.2e-16;    // of the squared lengths
+constexpr double kAngleRounding = 4e-15;  // radians: two azimuths, an arc cosine and their sums
+
+double wrapped(double angle) {
+  angle -= kTurn * std::floor(angle / kTurn);
+  return angle < kTurn ? std::max(angle, 0.0) : 0.0;
+}
+
+}  // namespace
+
+AngleReach reach_of(double p_length, double p_azimuth, double q_length, double q_azimuth, double e,
+                    AngleInterval& interval) {
+  const double squares = p_length * p_length + q_length * q_length;
+  const double product = 2 * p_length * q_length;
+  const double cosine_times_product = squares - e * e - kUlps * squares;
+  if (cosine_times_product <= -product) return AngleReach::kAlways;
+  if (cosine_times_product > product) return AngleReach::kNever;
+  const double gamma = std::acos(std::clamp(cosine_times_product / product, -1.0, 1.0)) + kAngleRounding;
+  if (gamma >= kPi) return AngleReach::kAlways;
+  interval.start = wrapped(q_azimuth - p_azimuth - gamma);
+  interval.width = 2 * gamma;
+  return AngleReach::kInterval;
+}
+
+void AngleStabber::clear() {
+  intervals_.clear();
+  tags_.clear();
+}
+
+void AngleStabber::add(const AngleInterval& interval, std::uint32_t tag) {
+  intervals_.push_back(interval);
+  tags_.push_back(tag);
+}
+
+int AngleStabber::upper_bound() {
+  constexpr int kBuckets = 128;
+  // The index grows with the angle, so an angle inside an interval lies in a bucket that the interval
+  // touches.
+  const auto bucket = [](double angle) {
+    return std::min(static_cast<int>(angle * (kBuckets / kTurn)), kBuckets - 1);
+  };
+  buckets_.assign(kBuckets + 1, 0);
+  for (const AngleInterval& interval : intervals_) {
+    const double end = interval.start + interval.width;
+    ++buckets_[static_cast<std::size_t>(bucket(interval.start))];
+    if (end >= kTurn) {
+      ++buckets_[0];
+      --buckets_[static_cast<std::size_t>(bucket(end - kTurn) + 1)];
+    } else {
+      --buckets_[static_cast<std::size_t>(bucket(end) + 1)];
+    }
+  }
+  int depth = 0, best = 0;
+  for (int b = 0; b < kBuckets; ++b) {
+    depth += buckets_[static_cast<std::size_t>(b)];
+    best = std::max(best, depth);
+  }
+  return std::min(best, static_cast<int>(intervals_.size()));
+}
+
+int AngleStabber::stab(double& theta, double fallback) {
+  theta = fallback;
+  if (intervals_.empty()) return 0;
+  events_.clear();
+  int depth = 0;
+  for (const AngleInterval& interval : intervals_) {
+    double end = interval.start + interval.width;
+    if (end >= kTurn) {  // holds angle 0
+      end -= kTurn;
+      ++depth;
+    }
+    events_.push_back({interval.start, +1});
+    events_.push_back({end, -1});
+  }
+  std::sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) {
+    return a.angle != b.angle ? a.angle < b.angle
+                              : a.step > b.step;  // touching closed intervals share their end
+  });
+  int best = depth;
+  double from = 0, to = events_.front().angle;
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    depth += events_[i].step;
+    if (depth > best) {
+      best = depth;
+      from = events_[i].angle;
+      to = i + 1 < events_.size() ? events_[i + 1].angle : kTurn;
+    }
+  }
+  theta = 0.5 * (from + to);
+  return best;
+}
+
+void AngleStabber::stabbed(double theta, std::vector<std::uint32_t>& tags) const {
+  for (std::size_t i = 0; i < intervals_.size(); ++i) {
+    double offset = theta - intervals_[i].start;
+    if (offset < 0) offset += kTurn;
+    if (offset <= intervals_[i].width) tags.push_back(tags_[i]);
+  }
+}
+
+}  // namespace scanlock

@@ -1,0 +1,63 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "geometry/rigid.hpp"
+#include "global/matches.hpp"
+
+namespace scanlock {
+
+/// How to register a match set. Times end a search only through budget_s; max_nodes gives the same answer
+/// every time.
+struct MatchRegistrationOptions {
+  double epsilon = 0.1;                           ///< metres: |R p + t - q| <= epsilon is an inlier
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< the axis of rotation, any length but 0
+  double tilt = 0;                                ///< radians, see register_matches()
+  bool prune = true;                              ///< prune the match set before the search
+  double budget_s = std::numeric_limits<double>::infinity();  ///< wall seconds
+  std::size_t max_nodes = std::numeric_limits<std::size_t>::max();
+  /// Poses that hold fewer are of no interest: without one that holds so many the consensus is given as 0,
+  /// and the upper bound is at_least - 1 when that is proven.
+  int at_least = 0;
+  bool runner_up = true;                       ///< look for the runner-up
+  double rival_distance = 1.0;                 ///< metres, at the centre of the source points
+  double rival_angle = 0.0872664625997164788;  ///< radians
+};
+
+/// The pose that holds most matches, and what is proven about it.
+struct MatchRegistration {
+  Pose target_from_source = Pose::Identity();
+  int consensus = 0;       ///< matches that the pose holds
+  int upper_bound = 0;     ///< no levelled pose holds more
+  bool certified = false;  ///< upper_bound == consensus
+
+  /// The best pose found that differs from the first by more than rival_distance or rival_angle.
+  Pose runner_up = Pose::Identity();
+  int runner_up_consensus = 0;
+  int runner_up_bound = 0;  ///< no such pose holds more; the effort spent on this is bounded
+
+  std::vector<std::uint32_t> inliers;  ///< of target_from_source, ascending
+  std::size_t matches = 0, matches_after_pruning = 0, nodes = 0;
+  double pruning_ms = 0, search_ms = 0, runner_up_ms = 0;  ///< CPU of this thread
+};
+
+/// Maximum consensus registration of levelled point clouds from candidate matches (Cai et al., equation 3;
+/// Algorithm 1 without its first line): the rotation about `up` and the translation that hold most matches,
+/// with a certificate. Deterministic unless the budget ends it, in one thread.
+///
+/// Tilt: when the up axis of either cloud is known only to `tilt`, a match is an inlier within epsilon plus
+/// what two such tilts move p about the centre of the source points, 4 sin(tilt / 2) |p - centre|. The
+/// certificate then reads: no rigid motion whose up axes are within `tilt` of `up` on either side holds more
+/// than upper_bound matches within epsilon.
+///
+/// Throws std::invalid_argument with a sentence when an option is out of range or a coordinate is not finite
+/// (naming the match, counted from 0). No matches give a consensus of 0, certified.
+MatchRegistration register_matches(const Matches& matches, const MatchRegistrationOptions& options = {});
+
+}  // namespace scanlock

@@ -1,0 +1,160 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "global/matches.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace scanlock {
+namespace {
+
+/// Squared residual over squared threshold.
+double squared_ratio(const LevelMatches& m, std::size_t i, double c, double s, const LevelPose& pose) {
+  const double dx = c * m.px[i] - s * m.py[i] + pose.x - m.qx[i];
+  const double dy = s * m.px[i] + c * m.py[i] + pose.y - m.qy[i];
+  const double dz = pose.z - m.dz[i];
+  const double limit = counting_limit(m, i);
+  return (dx * dx + dy * dy + dz * dz) / (limit * limit);
+}
+
+template <typename Visit>
+void for_each_inlier(const LevelMatches& m, const LevelPose& pose, const Visit& visit) {
+  const double c = std::cos(pose.theta), s = std::sin(pose.theta);
+  const double reach = m.largest_threshold * (1 + 2 * kRelativeTolerance) + 2 * m.rounding;
+  const auto [first, last] = height_range(m, pose.z - reach, pose.z + reach);
+  for (std::size_t i = first; i < last; ++i) {
+    if (squared_ratio(m, i, c, s, pose) <= 1) visit(static_cast<std::uint32_t>(i));
+  }
+}
+
+bool raise(const LevelMatches& m, const LevelPose& pose, Incumbent& best) {
+  const int count = consensus(m, pose);
+  if (count <= best.consensus) return false;
+  best = {pose, count};
+  return true;
+}
+
+}  // namespace
+
+void LevelMatches::reserve(std::size_t n) {
+  for (std::vector<double>* column : {&px, &py, &qx, &qy, &dz, &threshold}) column->reserve(n);
+  original.reserve(n);
+}
+
+void LevelMatches::push_back_from(const LevelMatches& other, std::size_t i) {
+  px.push_back(other.px[i]);
+  py.push_back(other.py[i]);
+  qx.push_back(other.qx[i]);
+  qy.push_back(other.qy[i]);
+  dz.push_back(other.dz[i]);
+  threshold.push_back(other.threshold[i]);
+  original.push_back(other.original[i]);
+  largest_threshold = std::max(largest_threshold, other.threshold[i]);
+}
+
+LevelMatches sorted_by_height(const LevelMatches& matches) {
+  std::vector<std::uint32_t> order(matches.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return matches.dz[a] < matches.dz[b]; });
+  LevelMatches result = select(matches, order);
+  double reach = 0;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    reach = std::max(reach, std::hypot(result.px[i], result.py[i]) + std::hypot(result.qx[i], result.qy[i]) +
+                                std::abs(result.dz[i]) + result.threshold[i]);
+  }
+  constexpr double kUlps = 16 * 2.3e-16;
+  result.rounding = kUlps * reach;
+  return result;
+}
+
+LevelMatches select(const LevelMatches& matches, const std::vector<std::uint32_t>& subset) {
+  LevelMatches result;
+  result.reserve(subset.size());
+  result.rounding = matches.rounding;
+  for (const std::uint32_t i : subset) result.push_back_from(matches, i);
+  return result;
+}
+
+std::pair<std::size_t, std::size_t> height_range(const LevelMatches& matches, double low, double high) {
+  const auto first = std::lower_bound(matches.dz.begin(), matches.dz.end(), low);
+  const auto last = std::upper_bound(first, matches.dz.end(), high);
+  return {static_cast<std::size_t>(first - matches.dz.begin()),
+          static_cast<std::size_t>(last - matches.dz.begin())};
+}
+
+std::vector<std::uint32_t> inliers(const LevelMatches& matches, const LevelPose& pose) {
+  std::vector<std::uint32_t> result;
+  for_each_inlier(matches, pose, [&](std::uint32_t i) { result.push_back(i); });
+  return result;
+}
+
+int consensus(const LevelMatches& matches, const LevelPose& pose) {
+  int count = 0;
+  for_each_inlier(matches, pose, [&](std::uint32_t) { ++count; });
+  return count;
+}
+
+LevelPose fit(const LevelMatches& m, const std::vector<std::uint32_t>& subset,
+              const std::vector<double>& weights) {
+  double sum = 0, px = 0, py = 0, qx = 0, qy = 0, dz = 0;
+  for (std::size_t j = 0; j < subset.size(); ++j) {
+    const std::uint32_t i = subset[j];
+    const double w = weights.empty() ? 1.0 : weights[j];
+    sum += w;
+    px += w * m.px[i];
+    py += w * m.py[i];
+    qx += w * m.qx[i];
+    qy += w * m.qy[i];
+    dz += w * m.dz[i];
+  }
+  px /= sum;
+  py /= sum;
+  qx /= sum;
+  qy /= sum;
+  double dot = 0, cross = 0;
+  for (std::size_t j = 0; j < subset.size(); ++j) {
+    const std::uint32_t i = subset[j];
+    const double w = weights.empty() ? 1.0 : weights[j];
+    const double ax = m.px[i] - px, ay = m.py[i] - py, bx = m.qx[i] - qx, by = m.qy[i] - qy;
+    dot += w * (ax * bx + ay * by);
+    cross += w * (ax * by - ay * bx);
+  }
+  LevelPose pose;
+  pose.theta = std::atan2(cross, dot);
+  const double c = std::cos(pose.theta), s = std::sin(pose.theta);
+  pose.x = qx - (c * px - s * py);
+  pose.y = qy - (s * px + c * py);
+  pose.z = dz / sum;
+  return pose;
+}
+
+void climb(const LevelMatches& m, std::vector<std::uint32_t> subset, Incumbent& best) {
+  constexpr int kIterations = 8;
+  for (int i = 0; i < kIterations && !subset.empty(); ++i) {
+    const LevelPose pose = fit(m, subset);
+    if (!raise(m, pose, best) && i > 0) return;
+    subset = inliers(m, pose);
+  }
+}
+
+void squeeze(const LevelMatches& m, const std::vector<std::uint32_t>& subset, int iterations,
+             Incumbent& best) {
+  std::vector<double> weights(subset.size(), 1.0);
+  for (int i = 0; i < iterations && !subset.empty(); ++i) {
+    const LevelPose pose = fit(m, subset, weights);
+    raise(m, pose, best);
+    if (best.consensus >= static_cast<int>(subset.size())) return;
+    const double c = std::cos(pose.theta), s = std::sin(pose.theta);
+    double sum = 0;
+    for (std::size_t j = 0; j < subset.size(); ++j) {
+      weights[j] *= std::sqrt(squared_ratio(m, subset[j], c, s, pose));
+      sum += weights[j];
+    }
+    if (!(sum > 0)) return;
+    for (double& w : weights) w /= sum;
+  }
+}
+
+}  // namespace scanlock

@@ -1,0 +1,44 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "global/matches.hpp"
+
+namespace scanlock {
+
+/// A box of levelled poses: centre and half sides, closed.
+struct PoseBox {
+  LevelPose centre;
+  double half_x = 0, half_y = 0, half_z = 0;  ///< metres
+  double half_theta = 0;                      ///< radians, at most a quarter turn
+};
+
+/// What a box can hold.
+struct BoxCounts {
+  int possible = 0;   ///< matches that some pose of the box may hold: bounds the consensus in the box
+  int at_centre = 0;  ///< matches that its centre holds: that pose's consensus
+  double lever = 0;   ///< metres: mean distance of the possible matches' p from the axis
+};
+
+/// Counts matches in boxes. Height, horizontal axes and angle are bounded apart, which is tighter than the
+/// paper's ball around a cube (equation 14): while theta sweeps the box, R p runs along an arc, and q - R p
+/// stays in the rectangle about that arc; its gaps to the box make a Euclidean distance that every pose of
+/// the box exceeds.
+class BoxFilter {
+ public:
+  explicit BoxFilter(const LevelMatches& matches);
+  /// Replaces `kept` by the possible ones of `list`.
+  BoxCounts filter(const PoseBox& box, const std::vector<std::uint32_t>& list,
+                   std::vector<std::uint32_t>& kept) const;
+
+ private:
+  struct Packed {
+    double px, py, qx, qy, dz, bounding2, counting2, lever;
+  };
+  std::vector<Packed> matches_;
+};
+
+}  // namespace scanlock

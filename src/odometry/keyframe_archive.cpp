@@ -1,0 +1,76 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/keyframe_archive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/voxel_grid.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr double kSpacing = 1.0 / 6.0;       // of the reach, between two places
+constexpr std::size_t kMostPoints = 3000;    // of a place
+constexpr double kFirstVoxel = 1.0 / 100.0;  // of the reach
+
+}  // namespace
+
+bool KeyframeArchive::wants(const Eigen::Vector3d& position, double reach) const {
+  const double spacing = kSpacing * reach;
+  return std::none_of(keyframes_.rbegin(), keyframes_.rend(), [&](const ArchivedKeyframe& k) {
+    return (k.map_from_body.translation() - position).squaredNorm() < spacing * spacing;
+  });
+}
+
+void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double reach,
+                          const PointCloud& points) {
+  PointCloud thin;
+  thin.x = points.x;
+  thin.y = points.y;
+  thin.z = points.z;
+  for (double voxel = kFirstVoxel * std::max(reach, 1.0); thin.size() > kMostPoints; voxel *= std::sqrt(2.0))
+    thin = select(thin, thin_by_voxel(thin, static_cast<float>(voxel)));
+  points_ += thin.size();
+  keyframes_.push_back(
+      {utime, map_from_body, static_cast<float>(reach), std::make_shared<const PointCloud>(std::move(thin))});
+  evict();
+}
+
+void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes) {
+  keyframes_ = std::move(keyframes);
+  points_ = 0;
+  for (const ArchivedKeyframe& k : keyframes_) points_ += k.points->size();
+  evict();
+}
+
+void KeyframeArchive::clear() {
+  keyframes_.clear();
+  points_ = 0;
+}
+
+void KeyframeArchive::evict() {
+  std::size_t gone = 0;
+  while (points_ > max_points_ && gone + 1 < keyframes_.size()) points_ -= keyframes_[gone++].points->size();
+  keyframes_.erase(keyframes_.begin(), keyframes_.begin() + static_cast<std::ptrdiff_t>(gone));
+}
+
+PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const Eigen::Vector3d& centre,
+                         double radius, double voxel) {
+  PointCloud all;
+  const auto radius2 = static_cast<float>(radius * radius);
+  for (const ArchivedKeyframe& k : keyframes) {
+    const Eigen::Vector3d offset = k.map_from_body.translation() - centre;
+    if (offset.head<2>().norm() > radius + 4.0 * k.reach) continue;
+    const Eigen::Matrix3f rotation = k.map_from_body.linear().cast<float>();
+    const Eigen::Vector3f translation = offset.cast<float>();
+    for (std::size_t i = 0; i < k.points->size(); ++i) {
+      const Eigen::Vector3f p = rotation * k.points->point(i) + translation;
+      if (p.head<2>().squaredNorm() < radius2) all.push_back(p);
+    }
+  }
+  return select(all, thin_by_voxel(all, static_cast<float>(voxel)));
+}
+
+}  // namespace scanlock

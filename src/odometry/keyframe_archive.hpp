@@ -1,0 +1,59 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "geometry/point_cloud.hpp"
+#include "geometry/rigid.hpp"
+
+namespace scanlock {
+
+/// A place that the robot has been to: what it saw from there.
+struct ArchivedKeyframe {
+  std::int64_t utime = 0;                    ///< microseconds, stamp of the scan
+  Pose map_from_body = Pose::Identity();     ///< body: the sensor at the stamp
+  float reach = 0;                           ///< metres, median range of the scan: the size of the scene
+  std::shared_ptr<const PointCloud> points;  ///< x y z only, deskewed and thinned, body frame; never null
+};
+
+/// Everything that outlives a run: what a map file holds.
+struct SavedMap {
+  std::uint32_t epoch = 0;
+  Pose last_pose = Pose::Identity();        ///< map_from_body of the last scan that was tracked
+  std::vector<ArchivedKeyframe> keyframes;  ///< oldest first
+};
+
+/// The long memory: places spread over all mapped ground, for coming back to. What it costs is bounded by its
+/// cap, and driving over known ground again adds nothing. Copies are cheap: they share the points.
+class KeyframeArchive {
+ public:
+  /// `max_points`: over all keyframes; the oldest give way.
+  explicit KeyframeArchive(std::size_t max_points) : max_points_(max_points) {}
+
+  /// True where no archived keyframe is within a sixth of `reach` (metres) of `position` (map frame).
+  bool wants(const Eigen::Vector3d& position, double reach) const;
+  /// `points` in the body frame, any density.
+  void add(std::int64_t utime, const Pose& map_from_body, double reach, const PointCloud& points);
+  void restore(std::vector<ArchivedKeyframe> keyframes);
+  void clear();
+
+  const std::vector<ArchivedKeyframe>& keyframes() const { return keyframes_; }
+  bool empty() const { return keyframes_.empty(); }
+  std::size_t points() const { return points_; }
+
+ private:
+  void evict();
+
+  std::size_t max_points_, points_ = 0;
+  std::vector<ArchivedKeyframe> keyframes_;
+};
+
+/// What was seen within `radius` metres (horizontally) of `centre` (map frame), thinned to `voxel` metres:
+/// axes of the map, coordinates relative to `centre`.
+PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const Eigen::Vector3d& centre,
+                         double radius, double voxel);
+
+}  // namespace scanlock

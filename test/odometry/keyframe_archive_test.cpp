@@ -1,0 +1,71 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/keyframe_archive.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace scanlock;
+
+namespace {
+
+PointCloud ring(std::size_t n, float radius) {
+  PointCloud cloud;
+  for (std::size_t i = 0; i < n; ++i) {
+    const float a = 6.2831853f * static_cast<float>(i) / static_cast<float>(n);
+    cloud.push_back(radius * std::cos(a), radius * std::sin(a), 0.1f * static_cast<float>(i % 7));
+  }
+  return cloud;
+}
+
+Pose at(double x, double y) {
+  Pose pose = Pose::Identity();
+  pose.translation() << x, y, 0;
+  return pose;
+}
+
+}  // namespace
+
+TEST_CASE("the archive wants a place only where it has none") {
+  KeyframeArchive archive(1000000);
+  CHECK(archive.wants({0, 0, 0}, 12));
+  archive.add(1, at(0, 0), 12, ring(500, 12));
+  CHECK_FALSE(archive.wants({1.9, 0, 0}, 12));
+  CHECK(archive.wants({2.1, 0, 0}, 12));
+  CHECK(archive.wants({1.9, 0, 0}, 6));
+}
+
+TEST_CASE("a place is thinned and the oldest places give way to the cap") {
+  KeyframeArchive archive(3001);
+  for (int i = 0; i < 5; ++i) {
+    archive.add(i, at(10 * i, 0), 20, ring(50000, 20));
+    CHECK(archive.keyframes().back().points->size() <= 3000);
+    CHECK(archive.keyframes().back().points->size() > 300);
+    CHECK(archive.points() <= 3001);
+  }
+  CHECK(archive.keyframes().back().utime == 4);
+  CHECK(archive.keyframes().front().utime > 0);
+  KeyframeArchive copy(3001);
+  copy.restore(archive.keyframes());
+  CHECK(copy.points() == archive.points());
+  copy.clear();
+  CHECK(copy.empty());
+  CHECK(copy.points() == 0);
+}
+
+TEST_CASE("a submap joins the places around a centre in the axes of the map") {
+  KeyframeArchive archive(1000000);
+  PointCloud one;
+  one.push_back(1, 0, 0.5f);
+  Pose turned = at(100, 50);
+  turned.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // 90 degrees
+  archive.add(1, turned, 5, one);
+  archive.add(2, at(103, 50), 5, one);
+  archive.add(3, at(400, 50), 5, one);
+  const PointCloud submap = submap_around(archive.keyframes(), {100, 50, 0}, 10, 0.2);
+  REQUIRE(submap.size() == 2);  // in no order that matters
+  const std::size_t first = submap.x[0] < 2 ? 0 : 1;
+  CHECK(submap.point(first).isApprox(Eigen::Vector3f(0, 1, 0.5f), 1e-5f));
+  CHECK(submap.point(1 - first).isApprox(Eigen::Vector3f(4, 0, 0.5f), 1e-5f));
+}
