@@ -38,7 +38,11 @@ Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vec
   if (weight_sum > 0) health.energy = cost / weight_sum;
   if (!residuals.empty())
     health.overlap = static_cast<double>(matched) / static_cast<double>(residuals.size());
+  if (!residuals.empty())
+    health.share = static_cast<double>(health.inliers) / static_cast<double>(residuals.size());
   if (count_ > 0) {
+    health.usual_share =
+        median({shares_.begin(), shares_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, kHistory))});
     std::vector<double> recent(history_.begin(),
                                history_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, kHistory)));
     health.baseline = median(recent);
@@ -49,8 +53,9 @@ Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vec
   return health;
 }
 
-void HealthMonitor::remember(double energy) {
-  history_[count_++ % kHistory] = energy;
+void HealthMonitor::remember(const Health& health) {
+  history_[count_ % kHistory] = health.energy;
+  shares_[count_++ % kHistory] = health.share;
 }
 
 }  // namespace scanlock

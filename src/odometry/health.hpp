@@ -12,10 +12,12 @@ namespace scanlock {
 struct Health {
   double energy =
       1;  ///< weighted mean of Welsch's function of the residuals at a fixed scale, 0 (perfect) to 1
-  double overlap = 0;   ///< share of the source points that met a surface
-  double baseline = 0;  ///< median of the recent energies
-  double score = 0;     ///< robust z-score of the energy against them
-  int inliers = 0;      ///< source points within three scales of their surface
+  double overlap = 0;      ///< share of the source points that met a surface
+  double baseline = 0;     ///< median of the recent energies
+  double score = 0;        ///< robust z-score of the energy against them
+  int inliers = 0;         ///< source points within three scales of their surface
+  double share = 0;        ///< of the source points, the inliers
+  double usual_share = 0;  ///< median of the recent ones
 };
 
 /// The normalised energy and its recent history. A scan of a known place costs about what the scans before it
@@ -26,12 +28,12 @@ class HealthMonitor {
   /// `scale`: metres, fixed while the sensor and the scene stay what they are.
   Health assess(const std::vector<float>& residuals, const std::vector<float>& weights, double scale) const;
   /// Adds the energy of an alignment that was trusted.
-  void remember(double energy);
+  void remember(const Health& health);
   void forget() { count_ = 0; }
 
  private:
   static constexpr std::size_t kHistory = 50;  // scans
-  std::array<double, kHistory> history_{};
+  std::array<double, kHistory> history_{}, shares_{};
   std::size_t count_ = 0;  ///< remembered since the last forget
 };
 

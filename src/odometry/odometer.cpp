@@ -21,6 +21,7 @@ constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on G
 
 constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history says
+constexpr double kMostAtFirst = 0.7;  // a map of one scan is thin
 
 }  // namespace
 
@@ -107,7 +108,7 @@ void Odometer::accept(const Attempt& attempt) {
   const double seen = std::max(1.4826 * attempt.alignment.median_residual, kLeastSigma);
   sigma_ += 0.1 * (std::min(seen, 2.0 * sigma_) - sigma_);
   filter_.update(attempt.prior, attempt.alignment, sigma_ * sigma_ * kVarianceInflation);
-  health_.remember(attempt.health.energy);
+  health_.remember(attempt.health);
 }
 
 void Odometer::keep(std::int64_t utime, const PreparedScan& scan, double overlap) {
@@ -133,7 +134,8 @@ void Odometer::insert(std::int64_t utime, const PreparedScan& scan, const Moving
 bool explains(const Attempt& attempt, double most_score) {
   const Health& h = attempt.health;
   return attempt.alignment.moving.pose.matrix().allFinite() && h.score < most_score &&
-         h.energy < kMostEnergy && h.overlap > kLeastOverlap && h.inliers >= static_cast<int>(kLeastPoints);
+         h.energy < (h.baseline > 0 ? kMostEnergy : kMostAtFirst) && h.overlap > kLeastOverlap &&
+         h.inliers >= static_cast<int>(kLeastPoints);
 }
 
 Attempt better(Attempt a, Attempt b) {

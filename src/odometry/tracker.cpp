@@ -27,6 +27,7 @@ constexpr std::size_t kMostPlaces = 5;  // tried at once
 constexpr int kPatience = 20;           // scans in which a lost tracker feels around on each,
 constexpr int kSeldom = 5;              // and after that on every fifth
 constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
+constexpr double kWaryShare = 0.85;     // of the usual share of inliers
 constexpr int kQuietScans = 5;          // after that, before the map may grow
 constexpr int kFalseStarts = 3;         // scans that do not fit the first one: it was no good
 constexpr double kCoastSeconds =
@@ -95,23 +96,34 @@ struct Tracker::State {
   }
 
   /// The prior is strong where the robot does what it did; where that does not explain the scan, it is let go
-  /// and a wider kernel tried, from the prediction and from where the robot was last seen.
+  /// once and a wider kernel tried.
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
     Attempt best = odometer.align(scan, prior, Reach::kNear);
-    if (explains(best, kJumpScore)) return best;
+    if (explains(best, kJumpScore) || distrusted_scans > 0) return best;
     MotionPrior loose = prior;
     loose.information *= 0.01;
     best = better(std::move(best), odometer.align(scan, loose, Reach::kFar));
-    if (explains(best, kJumpScore)) return best;
-    loose.mean = {last_trusted_pose, Vector6::Zero()};
-    return better(std::move(best), odometer.align(scan, loose, Reach::kFar));
+    best.prior = prior;
+    return best;
+  }
+
+  /// Whether the robot can have come there, as far as its motion is known: a place that explains the scan may
+  /// be another that looks the same.
+  static bool plausible(const Attempt& attempt) {
+    const Matrix12 covariance = attempt.prior.information.inverse();
+    const double metres = 1.0 + 5.0 * std::sqrt(covariance.diagonal().head<3>().maxCoeff());
+    const double radians = 10.0 * kDegree + 5.0 * std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
+    return near(attempt.alignment.moving.pose, attempt.prior.mean.pose, metres, radians);
   }
 
   void track_on(std::int64_t utime, const PreparedScan& scan, const MotionPrior& prior,
                 TrackedScan* tracked) {
     Attempt attempt = odometer.deskew_first(scan, align_or_retry(scan, prior));
     finished(Stage::kAlign);
-    if (explains(attempt, kJumpScore)) {
+    // Who doubts already is not convinced by a part of the scan.
+    const bool wary = distrusted_scans > 0 && state != TrackingState::kInitialising;
+    const bool enough = !wary || attempt.health.share > kWaryShare * attempt.health.usual_share;
+    if (explains(attempt, wary ? kCalmScore : kJumpScore) && enough && plausible(attempt)) {
       believe(utime, scan, attempt);
       state = TrackingState::kTracking;
       describe(attempt, PoseMethod::kIcp, tracked);
