@@ -44,6 +44,11 @@ Pose level_fit(const PairSums& sums) {
   return pose;
 }
 
+/// The shortest turn that makes `up` vertical.
+Eigen::Matrix3d levelling(const Eigen::Vector3d& up) {
+  return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+}
+
 /// Every n-th keypoint.
 CloudDescription part(const CloudDescription& whole, std::size_t stride) {
   CloudDescription result;
@@ -130,6 +135,7 @@ class Registrar {
   CloudRegistration result_;
 };
 
+/// The best over the directions that may be up, and the best of the others that is elsewhere.
 MatchRegistration Registrar::search(const Matches& matches, bool runner_up) const {
   MatchRegistrationOptions search;
   search.epsilon = result_.epsilon;
@@ -139,7 +145,33 @@ MatchRegistration Registrar::search(const Matches& matches, bool runner_up) cons
   search.runner_up = runner_up;
   search.rival_distance = kRivalEpsilons * result_.epsilon;
   search.rival_angle = kRivalAngle;
-  return register_matches(matches, search);
+  if (options_.target_ups.empty()) return register_matches(matches, search);
+  MatchRegistration best;
+  for (const Eigen::Vector3d& up : options_.target_ups) {
+    const Eigen::Matrix3d level = levelling(up);
+    Matches levelled = matches;
+    for (Match& match : levelled) match.q = level * match.q;
+    search.at_least = std::max(kFewestMatches, static_cast<int>(std::ceil(best.consensus / kClearMargin)));
+    MatchRegistration found = register_matches(levelled, search);
+    for (Pose* pose : {&found.target_from_source, &found.runner_up}) *pose = level.transpose() * *pose;
+    const std::size_t nodes = best.nodes + found.nodes;
+    const double pruning_ms = best.pruning_ms + found.pruning_ms,
+                 search_ms = best.search_ms + found.search_ms;
+    if (found.consensus > best.consensus) std::swap(found, best);
+    // What the loser leaves open, and where it would rather be.
+    best.upper_bound = std::max(best.upper_bound, found.upper_bound);
+    best.certified = best.consensus > 0 && best.upper_bound == best.consensus;
+    if (found.consensus > best.runner_up_consensus &&
+        separation(found.target_from_source, best.target_from_source, centre_, result_.epsilon) >= 1) {
+      best.runner_up = found.target_from_source;
+      best.runner_up_consensus = found.consensus;
+      best.runner_up_bound = std::max(best.runner_up_bound, found.upper_bound);
+    }
+    best.nodes = nodes;
+    best.pruning_ms = pruning_ms;
+    best.search_ms = search_ms;
+  }
+  return best;
 }
 
 /// Keeps the start when the clouds would carry the pose away from it: that is no refinement.
@@ -165,6 +197,7 @@ Pose Registrar::refined(const Pose& start, std::uint32_t* degenerate_axes) {
 /// search with tell the right ones: those that agree with it. They count less the farther off they are
 /// (Welsch's weights), for what is within epsilon by chance is anywhere there.
 Pose Registrar::middle_pose(Pose pose) {
+  const Eigen::Matrix3d level = levelling(pose.linear().col(2));
   if (guided_matches_.empty()) guided_matches_ = match(source_, target_, kGuidedLambda);
   for (int round = 0; round < kRounds; ++round) {
     const double scale = std::max(kCrowd, 1.0 - kCrowd * round) * result_.epsilon;
@@ -173,11 +206,11 @@ Pose Registrar::middle_pose(Pose pose) {
     for (const Match& m : guided_matches_) {
       const double squared = (pose * m.p - m.q).squaredNorm();
       if (squared > kReach * kReach * scale * scale) continue;
-      sums.add(std::exp(-squared / (2 * scale * scale)), m.p, m.q);
+      sums.add(std::exp(-squared / (2 * scale * scale)), m.p, level * m.q);
       ++near;
     }
     if (near < kFewestMatches) break;
-    pose = level_fit(sums);
+    pose = level.transpose() * level_fit(sums);
   }
   return pose;
 }

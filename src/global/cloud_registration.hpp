@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "global/cloud_check.hpp"
 #include "global/cloud_description.hpp"
@@ -25,6 +27,10 @@ const char* verdict_name(GlobalVerdict verdict);
 struct CloudRegistrationOptions {
   double epsilon = 0;  ///< metres: the inlier threshold; 0: from the voxel
   double tilt = 0;     ///< radians: how well the clouds are levelled, see MatchRegistrationOptions
+  /// Directions of the target's frame, any of which may be the source's z axis: the attitudes that a vehicle
+  /// takes on the slopes of a place. Empty: the z axis. Then at least 8 matches have to agree for any
+  /// consensus.
+  std::vector<Eigen::Vector3d> target_ups;
   int lambda = 3;
   int attempts = 3;                 ///< match sets that are drawn at most
   std::size_t max_nodes = 200'000;  ///< of each search; ends it without a certificate
