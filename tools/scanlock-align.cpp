@@ -11,10 +11,13 @@
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "align_global.hpp"
 #include "evaluation/alignment_picture.hpp"
 #include "geometry/voxel_grid.hpp"
 #include "icp/cloud_alignment.hpp"
@@ -29,7 +32,9 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string source, target, init, truth, output, picture;
-  std::string method = "robust-icp-plane";
+  std::string method;  // empty: not given
+  std::vector<double> up = {0, 0, 1};
+  double epsilon = 0;
   double voxel = -1;  // negative: not given
   double nu_max = 0, nu_min = 0;
   int threads = 1;
@@ -60,6 +65,9 @@ constexpr const char* kFooter =
 Normals of .ply and .pcd files are used; where they are missing they are estimated.
 
 icp, aa-icp, fast-icp                      squared distances; plain, accelerated by Euler angles, accelerated in se(3)
+4dof                                       no start needed, clouds levelled: the rotation about --up and the translation
+                                           that most matches of features agree on, with its proof, checked with the clouds
+4dof+robust-icp, 4dof+robust-icp-plane     the same, refined; the former is the default without --init
 robust-icp                                 Welsch's function, nu falling from 3 medians to the sampling of the target
 icp-plane, fast-icp-plane, robust-icp-plane   the same with distances to tangent planes
 symmetric-icp, robust-symmetric-icp        the same with the normals of both clouds)";
@@ -70,12 +78,18 @@ int usage(int argc, char** argv, Options& options) {
   app.set_version_flag("-V,--version", std::string("scanlock-align ") + SCANLOCK_VERSION);
   app.add_option("SOURCE", options.source, "the cloud to move")->required();
   app.add_option("TARGET", options.target, "the cloud to move it to")->required();
-  app.add_option("--method", options.method, "see below (default: robust-icp-plane)");
+  app.add_option("--method", options.method,
+                 "see below (default: 4dof+robust-icp; with --init: robust-icp-plane)");
   app.add_option("--init", options.init, "start from this transform (default: identity)");
   app.add_option("--truth", options.truth, "compare the result with this transform");
   app.add_option("--voxel", options.voxel,
                  "thin both clouds to a point a voxel of so many metres; 0: all points (default: by itself)")
       ->check(CLI::NonNegativeNumber.description(""));
+  app.add_option("--up", options.up, "4dof: the vertical of both clouds (default: 0,0,1)")
+      ->delimiter(',')
+      ->expected(3);
+  app.add_option("--epsilon", options.epsilon, "4dof: inlier threshold, metres (default: from the voxel)")
+      ->check(CLI::PositiveNumber.description(""));
   app.add_option("--nu-max", options.nu_max, "first scale, metres (default: three times the median residual)")
       ->check(CLI::PositiveNumber.description(""));
   app.add_option("--nu-min", options.nu_min, "last scale, metres (default: from the sampling of the target)")
@@ -92,8 +106,10 @@ int usage(int argc, char** argv, Options& options) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  if (find_cloud_method(options.method)) return -1;
-  std::string names;
+  if (options.method.empty()) options.method = options.init.empty() ? "4dof+robust-icp" : "robust-icp-plane";
+  const std::string refining = refining_method(options.method);
+  if (refining.empty() || find_cloud_method(refining)) return -1;
+  std::string names = " 4dof";
   for (const std::string& name : cloud_method_names()) names += " " + name;
   std::cerr << "scanlock-align: --method " << options.method << " is not known here; known are" << names
             << "\n";
@@ -234,12 +250,23 @@ CloudTarget make_target(const Options& options, const PointCloud& cloud) {
 }
 
 void run(const Options& options) {
-  const CloudMethod method = *find_cloud_method(options.method);
+  const std::string refining = refining_method(options.method);
+  const CloudMethod method = refining.empty() ? CloudMethod{} : *find_cloud_method(refining);
   Stopwatch whole, watch;
   Milliseconds ms;
   const PointCloud source_file = read_cloud(options.source), target_file = read_cloud(options.target);
-  const Pose start = options.init.empty() ? Pose::Identity() : read_transform(options.init);
+  Pose start = options.init.empty() ? Pose::Identity() : read_transform(options.init);
   ms.read = watch.lap();
+  std::optional<GlobalStart> global;
+  if (is_global(options.method)) {
+    global = find_global_start(source_file, target_file, Eigen::Vector3d(options.up.data()), options.voxel,
+                               options.epsilon);
+    const CloudRegistration& found = global->registration;
+    // Where no pose was confirmed, the clouds as they are given are as good a start as any.
+    if (refining.empty() || found.verdict != GlobalVerdict::kNoOverlap)
+      start = refining.empty() ? found.start : found.target_from_source;
+  }
+  const double global_ms = watch.lap();
   const double voxel = options.voxel >= 0 ? options.voxel : sensible_voxel(target_file);
   const PointCloud thin_source = thinned(source_file, voxel), thin_target = thinned(target_file, voxel);
   const PointCloud& source = voxel > 0 ? thin_source : source_file;
@@ -256,15 +283,23 @@ void run(const Options& options) {
     alignment.nu_min = std::max(target.point_nu_min(), target.plane_nu_min());
   alignment.thorough = options.thorough;
   alignment.threads = options.threads;
+  if (global && start.matrix() == global->registration.target_from_source.matrix() && !(options.nu_max > 0))
+    alignment.nu_max = global->registration.epsilon;
   CloudAlignment result;
   try {
-    result = align_clouds(source, target, start, method, alignment);
+    if (refining.empty()) {
+      result.target_from_source = start;
+      result.stop_reason = verdict_name(global->registration.verdict);
+    } else {
+      result = align_clouds(source, target, start, method, alignment);
+    }
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(options.source + ": " + error.what());
   }
-  ms.solve = watch.lap();
+  ms.solve = global_ms + watch.lap();
   ms.total = whole.lap();
   Json json = result_json(options, result, source.size(), target_cloud.size(), voxel, ms);
+  if (global) add_global(*global, &json);
   if (!options.truth.empty())
     add_truth(source_file, result.target_from_source, read_transform(options.truth), &json);
   if (!options.output.empty()) write_cloud(options.output, moved(source_file, result.target_from_source));

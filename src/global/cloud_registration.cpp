@@ -49,6 +49,22 @@ Eigen::Matrix3d levelling(const Eigen::Vector3d& up) {
   return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
+PointCloud turned(const PointCloud& cloud, const Eigen::Matrix3d& rotation) {
+  PointCloud result = cloud;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f p = (rotation * cloud.point(i).cast<double>()).cast<float>();
+    result.x[i] = p.x();
+    result.y[i] = p.y();
+    result.z[i] = p.z();
+    if (!cloud.has_normals()) continue;
+    const Eigen::Vector3f n = (rotation * cloud.normal(i).cast<double>()).cast<float>();
+    result.nx[i] = n.x();
+    result.ny[i] = n.y();
+    result.nz[i] = n.z();
+  }
+  return result;
+}
+
 /// Every n-th keypoint.
 CloudDescription part(const CloudDescription& whole, std::size_t stride) {
   CloudDescription result;
@@ -122,6 +138,11 @@ class Registrar {
   Pose middle_pose(Pose pose);
   void add_hypothesis(const Pose& pose, int consensus);
   Pose refined(const Pose& start, std::uint32_t* degenerate_axes);
+  void account(const MatchRegistration& search) {
+    result_.pruning_ms += search.pruning_ms;
+    result_.search_ms += search.search_ms + search.runner_up_ms;
+    result_.nodes += search.nodes;
+  }
   void judge();
   std::string numbers() const;
 
@@ -248,6 +269,7 @@ void Registrar::look_for_more(Matches matches) {
           matches.end());
     }
     const MatchRegistration next = search(matches, false);
+    account(next);
     if (next.consensus < kFewestMatches) break;
     add_hypothesis(next.target_from_source, next.consensus);
   }
@@ -258,6 +280,7 @@ void Registrar::attempt(const CloudDescription& source, const CloudDescription& 
   const Matches matches = match(source, target, options_.lambda);
   result_.matching_ms += clock.lap();
   result_.solution = search(matches, true);
+  account(result_.solution);
   ++result_.attempts;
   hypotheses_.clear();
   result_.start = result_.target_from_source = result_.solution.target_from_source;
@@ -363,6 +386,32 @@ CloudRegistration register_clouds(const CloudDescription& source, const CloudDes
   if (source.voxel > 0 && target.voxel > 0 && source.voxel != target.voxel)
     throw std::invalid_argument("register_clouds: the descriptions have different voxels");
   return Registrar(source, target, options).run();
+}
+
+CloudRegistration register_raw_clouds(const PointCloud& source, const PointCloud& target,
+                                      const Eigen::Vector3d& up, const DescriptionOptions& description,
+                                      const CloudRegistrationOptions& options, DescriptionTiming* timing) {
+  if (!up.allFinite() || !(up.norm() > 0))
+    throw std::invalid_argument("register_raw_clouds: up must be finite and not 0 0 0");
+  const Eigen::Matrix3d level = levelling(up);
+  const bool level_already = level.isIdentity(1e-12);
+  DescriptionOptions common = description;
+  if (!(common.voxel > 0)) common.voxel = description_voxel(target);
+  const auto described = [&](const PointCloud& cloud) {
+    CloudDescription result = describe(level_already ? cloud : turned(cloud, level), common);
+    if (timing) {
+      timing->keypoints_ms += result.points_ms + result.keypoints_ms;
+      timing->features_ms += result.features_ms;
+    }
+    return result;
+  };
+  const CloudDescription of_source = described(source), of_target = described(target);
+  CloudRegistration result = register_clouds(of_source, of_target, options);
+  for (Pose* pose : {&result.start, &result.target_from_source, &result.solution.target_from_source,
+                     &result.solution.runner_up}) {
+    *pose = Pose(level.transpose()) * *pose * Pose(level);
+  }
+  return result;
 }
 
 }  // namespace scanlock

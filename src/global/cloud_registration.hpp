@@ -39,7 +39,7 @@ struct CloudRegistrationOptions {
 
 struct CloudRegistration {
   MatchRegistration solution;                  ///< of the match set that decided
-  Pose start = Pose::Identity();               ///< least squares over the inliers of the solution
+  Pose start = Pose::Identity();               ///< where the matches have it
   Pose target_from_source = Pose::Identity();  ///< refined with the clouds; always finite
   GlobalVerdict verdict = GlobalVerdict::kNoOverlap;
   std::string why;                    ///< a sentence for people
@@ -48,7 +48,8 @@ struct CloudRegistration {
   std::uint32_t degenerate_axes = 0;  ///< of the refinement
   double epsilon = 0;                 ///< metres, as used
   int attempts = 0;
-  double features_ms = 0, matching_ms = 0, refinement_ms = 0;  ///< CPU, of all attempts
+  double matching_ms = 0, refinement_ms = 0, pruning_ms = 0, search_ms = 0;  ///< CPU, of all attempts
+  std::size_t nodes = 0;                                                     ///< of all attempts
 };
 
 /// Registers two described levelled clouds without an initial guess: matches, the largest consensus, a short
@@ -57,5 +58,17 @@ struct CloudRegistration {
 /// throw std::invalid_argument when not. Deterministic, unless budget_s ends a search.
 CloudRegistration register_clouds(const CloudDescription& source, const CloudDescription& target,
                                   const CloudRegistrationOptions& options = {});
+
+/// The same from clouds as they come, in frames whose origins are where their sensors stood and that share
+/// the direction `up` (any length but 0). `description.voxel` 0: from the target. The poses are
+/// between the clouds' own frames; ms of the description are given in `timing`. Throws std::invalid_argument
+/// for an option out of range.
+struct DescriptionTiming {
+  double keypoints_ms = 0, features_ms = 0;  ///< CPU, of both clouds
+};
+CloudRegistration register_raw_clouds(const PointCloud& source, const PointCloud& target,
+                                      const Eigen::Vector3d& up, const DescriptionOptions& description,
+                                      const CloudRegistrationOptions& options,
+                                      DescriptionTiming* timing = nullptr);
 
 }  // namespace scanlock
