@@ -385,6 +385,13 @@ CloudRegistration register_clouds(const CloudDescription& source, const CloudDes
                                   const CloudRegistrationOptions& options) {
   if (source.voxel > 0 && target.voxel > 0 && source.voxel != target.voxel)
     throw std::invalid_argument("register_clouds: the descriptions have different voxels");
+  if (source.keypoints.empty() || target.keypoints.empty()) {
+    CloudRegistration nothing;
+    nothing.solution.certified = true;
+    nothing.why = std::string("the ") + (source.keypoints.empty() ? "source" : "target") +
+                  " has nothing that could be recognised";
+    return nothing;
+  }
   return Registrar(source, target, options).run();
 }
 
