@@ -27,6 +27,12 @@ inline std::string refining_method(const std::string& method) {
 struct GlobalStart {
   CloudRegistration registration;
   DescriptionTiming timing;
+
+  /// Where no pose was confirmed, the clouds as they are given are as good a start as any.
+  bool found() const { return registration.verdict != GlobalVerdict::kNoOverlap; }
+  const Pose& pose(bool refined) const {
+    return refined ? registration.target_from_source : registration.start;
+  }
 };
 
 inline GlobalStart find_global_start(const PointCloud& source, const PointCloud& target,

@@ -21,9 +21,12 @@
 #include "evaluation/alignment_picture.hpp"
 #include "geometry/voxel_grid.hpp"
 #include "icp/cloud_alignment.hpp"
+#include "icp/cloud_chain.hpp"
 #include "icp/cloud_thinning.hpp"
 #include "io/cloud_file.hpp"
 #include "io/file_bytes.hpp"
+#include "io/progress_bar.hpp"
+#include "io/trajectory.hpp"
 
 namespace {
 
@@ -31,14 +34,15 @@ using namespace scanlock;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string source, target, init, truth, output, picture;
-  std::string method;  // empty: not given
+  std::string source, target, init, truth, output, picture, poses;
+  std::vector<std::string> more;  // clouds of a chain, beyond the second
+  std::string method;             // empty: not given
   std::vector<double> up = {0, 0, 1};
   double epsilon = 0;
   double voxel = -1;  // negative: not given
   double nu_max = 0, nu_min = 0;
   int threads = 1;
-  bool thorough = false, json = false;
+  bool thorough = false, chain = false, json = false;
 };
 
 struct Milliseconds {
@@ -67,7 +71,7 @@ Normals of .ply and .pcd files are used; where they are missing they are estimat
 icp, aa-icp, fast-icp                      squared distances; plain, accelerated by Euler angles, accelerated in se(3)
 4dof                                       no start needed, clouds levelled: the rotation about --up and the translation
                                            that most matches of features agree on, with its proof, checked with the clouds
-4dof+robust-icp, 4dof+robust-icp-plane     the same, refined; the former is the default without --init
+4dof+robust-icp, 4dof+robust-icp-plane     the same, refined; the former is the default without --init and --chain
 robust-icp                                 Welsch's function, nu falling from 3 medians to the sampling of the target
 icp-plane, fast-icp-plane, robust-icp-plane   the same with distances to tangent planes
 symmetric-icp, robust-symmetric-icp        the same with the normals of both clouds)";
@@ -78,8 +82,13 @@ int usage(int argc, char** argv, Options& options) {
   app.set_version_flag("-V,--version", std::string("scanlock-align ") + SCANLOCK_VERSION);
   app.add_option("SOURCE", options.source, "the cloud to move")->required();
   app.add_option("TARGET", options.target, "the cloud to move it to")->required();
+  app.add_option("MORE", options.more, "with --chain: further clouds");
+  app.add_flag("--chain", options.chain,
+               "register each cloud to the one before it; --output is the map, thinned like the clouds");
+  app.add_option("--poses", options.poses,
+                 "with --chain: write the poses here, TUM, stamped 0, 1, 2, ..., in the frame of the first");
   app.add_option("--method", options.method,
-                 "see below (default: 4dof+robust-icp; with --init: robust-icp-plane)");
+                 "see below (default: 4dof+robust-icp; with --init or --chain: robust-icp-plane)");
   app.add_option("--init", options.init, "start from this transform (default: identity)");
   app.add_option("--truth", options.truth, "compare the result with this transform");
   app.add_option("--voxel", options.voxel,
@@ -106,10 +115,22 @@ int usage(int argc, char** argv, Options& options) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  if (options.method.empty()) options.method = options.init.empty() ? "4dof+robust-icp" : "robust-icp-plane";
+  if (options.method.empty())
+    options.method = options.init.empty() && !options.chain ? "4dof+robust-icp" : "robust-icp-plane";
+  for (const auto& [wrong, words] :
+       {std::pair{options.chain && is_global(options.method), "the methods of 4dof do not go with --chain"},
+        std::pair{is_global(options.method) && !options.init.empty(), "the methods of 4dof take no --init"},
+        std::pair{!options.chain && !options.more.empty(), "more than two clouds go with --chain"},
+        std::pair{!options.chain && !options.poses.empty(), "--poses goes with --chain"},
+        std::pair{options.chain && !(options.init + options.truth + options.picture).empty(),
+                  "--init, --truth and --picture do not go with --chain"}}) {
+    if (!wrong) continue;
+    std::cerr << "scanlock-align: " << words << "\n";
+    return 2;
+  }
   const std::string refining = refining_method(options.method);
   if (refining.empty() || find_cloud_method(refining)) return -1;
-  std::string names = " 4dof";
+  std::string names = " 4dof 4dof+robust-icp 4dof+robust-icp-plane";
   for (const std::string& name : cloud_method_names()) names += " " + name;
   std::cerr << "scanlock-align: --method " << options.method << " is not known here; known are" << names
             << "\n";
@@ -237,10 +258,6 @@ void print(const Options& options, const Json& json) {
   }
 }
 
-PointCloud thinned(const PointCloud& cloud, double voxel) {
-  return voxel > 0 ? select(cloud, thin_by_voxel(cloud, static_cast<float>(voxel))) : PointCloud{};
-}
-
 CloudTarget make_target(const Options& options, const PointCloud& cloud) {
   try {
     return CloudTarget(cloud, options.threads);
@@ -249,42 +266,109 @@ CloudTarget make_target(const Options& options, const PointCloud& cloud) {
   }
 }
 
+CloudAlignmentOptions alignment_options(const Options& options) {
+  CloudAlignmentOptions alignment;
+  alignment.nu_max = options.nu_max;
+  alignment.nu_min = options.nu_min;
+  alignment.thorough = options.thorough;
+  alignment.threads = options.threads;
+  return alignment;
+}
+
+void append(const PointCloud& cloud, PointCloud* map) {
+  map->x.insert(map->x.end(), cloud.x.begin(), cloud.x.end());
+  map->y.insert(map->y.end(), cloud.y.begin(), cloud.y.end());
+  map->z.insert(map->z.end(), cloud.z.begin(), cloud.z.end());
+}
+
+void run_chain(const Options& options) {
+  Stopwatch whole;
+  std::vector<std::string> paths = {options.source, options.target};
+  paths.insert(paths.end(), options.more.begin(), options.more.end());
+  CloudChain chain(*find_cloud_method(options.method), alignment_options(options),
+                   options.voxel >= 0 ? std::optional<double>(options.voxel) : std::nullopt);
+  std::optional<ProgressBar> bar(std::in_place, "aligning");
+  PointCloud map;
+  Trajectory trajectory;
+  Json links = Json::array();
+  double length = 0;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    PointCloud cloud = read_cloud(paths[i]);
+    std::optional<CloudAlignment> link;
+    try {
+      link = chain.add(cloud);
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error(paths[i] + ": " + error.what());
+    }
+    trajectory.push_back({static_cast<double>(i), chain.poses().back()});
+    if (!options.output.empty()) append(moved(thinned_by(cloud, chain.voxel()), chain.poses().back()), &map);
+    bar->update(i + 1, paths.size());
+    if (!link) continue;
+    length += link->target_from_source.translation().norm();
+    links.push_back({{"source", paths[i]},
+                     {"target", paths[i - 1]},
+                     {"transform", row_major(link->target_from_source.matrix())},
+                     {"stop_reason", link->stop_reason},
+                     {"inlier_ratio", link->inlier_ratio},
+                     {"degenerate_axes", axis_names(link->degenerate_axes)}});
+  }
+  bar.reset();
+  if (!options.poses.empty()) write_tum(options.poses, trajectory);
+  // Where clouds overlap, one point a voxel is enough.
+  if (!options.output.empty()) write_cloud(options.output, thinned_by(map, chain.voxel()));
+  const Json json = {
+      {"method", options.method}, {"clouds", paths.size()},         {"length", length},
+      {"links", links},           {"ms", {{"total", whole.lap()}}}, {"peak_rss_mb", peak_rss_mb()}};
+  if (options.json) {
+    std::cout << json.dump() << "\n";
+    return;
+  }
+  for (const StampedPose& stamped : trajectory) {
+    const Eigen::Vector3d t = stamped.pose.translation();
+    const Eigen::Quaterniond q(stamped.pose.linear());
+    std::printf("%.0f %.9g %.9g %.9g %.9g %.9g %.9g %.9g\n", stamped.time_s, t.x(), t.y(), t.z(), q.x(),
+                q.y(), q.z(), q.w());
+  }
+  for (const auto& link : links) {
+    if (link["stop_reason"] != "converged")
+      std::cerr << link["source"].get<std::string>() << ": " << link["stop_reason"].get<std::string>()
+                << "\n";
+  }
+}
+
 void run(const Options& options) {
   const std::string refining = refining_method(options.method);
   const CloudMethod method = refining.empty() ? CloudMethod{} : *find_cloud_method(refining);
   Stopwatch whole, watch;
   Milliseconds ms;
-  const PointCloud source_file = read_cloud(options.source), target_file = read_cloud(options.target);
+  PointCloud source_file = read_cloud(options.source), target_file = read_cloud(options.target);
   Pose start = options.init.empty() ? Pose::Identity() : read_transform(options.init);
   ms.read = watch.lap();
   std::optional<GlobalStart> global;
   if (is_global(options.method)) {
     global = find_global_start(source_file, target_file, Eigen::Vector3d(options.up.data()), options.voxel,
                                options.epsilon);
-    const CloudRegistration& found = global->registration;
-    // Where no pose was confirmed, the clouds as they are given are as good a start as any.
-    if (refining.empty() || found.verdict != GlobalVerdict::kNoOverlap)
-      start = refining.empty() ? found.start : found.target_from_source;
+    if (refining.empty() || global->found()) start = global->pose(!refining.empty());
   }
   const double global_ms = watch.lap();
+  if (options.output.empty()) source_file.intensity = {};
+  target_file.intensity = {};
   const double voxel = options.voxel >= 0 ? options.voxel : sensible_voxel(target_file);
-  const PointCloud thin_source = thinned(source_file, voxel), thin_target = thinned(target_file, voxel);
+  const PointCloud thin_source = voxel > 0 ? thinned_by(source_file, voxel) : PointCloud{};
+  const PointCloud thin_target = voxel > 0 ? thinned_by(target_file, voxel) : PointCloud{};
   const PointCloud& source = voxel > 0 ? thin_source : source_file;
   const PointCloud& target_cloud = voxel > 0 ? thin_target : target_file;
   CloudTarget target = make_target(options, target_cloud);
+  const std::size_t target_points = target_cloud.size();
+  if (options.picture.empty()) target_file = PointCloud{};  // the target has its own copy
   ms.index = watch.lap();
   if (method.needs_normals()) target.prepare_normals(options.threads);
   ms.normals = watch.lap();
-  CloudAlignmentOptions alignment;
-  alignment.nu_max = options.nu_max;
-  alignment.nu_min = options.nu_min;
-  // The normals of a thinned cloud are good to its spacing; the paper's rule for planes asks more of them.
-  if (voxel > 0 && !(options.nu_min > 0))
-    alignment.nu_min = std::max(target.point_nu_min(), target.plane_nu_min());
-  alignment.thorough = options.thorough;
-  alignment.threads = options.threads;
-  if (global && start.matrix() == global->registration.target_from_source.matrix() && !(options.nu_max > 0))
-    alignment.nu_max = global->registration.epsilon;
+  CloudAlignmentOptions alignment = alignment_options(options);
+  alignment.voxel = voxel;
+  std::optional<ProgressBar> bar(std::in_place, "aligning");
+  alignment.progress = [&](double share) { bar->update(static_cast<std::uint64_t>(1000 * share), 1000); };
+  if (global && global->found() && !(options.nu_max > 0)) alignment.nu_max = global->registration.epsilon;
   CloudAlignment result;
   try {
     if (refining.empty()) {
@@ -296,9 +380,10 @@ void run(const Options& options) {
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(options.source + ": " + error.what());
   }
+  bar.reset();
   ms.solve = global_ms + watch.lap();
   ms.total = whole.lap();
-  Json json = result_json(options, result, source.size(), target_cloud.size(), voxel, ms);
+  Json json = result_json(options, result, source.size(), target_points, voxel, ms);
   if (global) add_global(*global, &json);
   if (!options.truth.empty())
     add_truth(source_file, result.target_from_source, read_transform(options.truth), &json);
@@ -318,7 +403,7 @@ int main(int argc, char** argv) {
   const int exit_code = usage(argc, argv, options);
   if (exit_code >= 0) return exit_code;
   try {
-    run(options);
+    options.chain ? run_chain(options) : run(options);
   } catch (const std::exception& error) {
     std::cerr << "scanlock-align: " << error.what() << "\n";
     return 1;

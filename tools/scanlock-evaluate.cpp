@@ -11,6 +11,7 @@
 
 #include "evaluation/report.hpp"
 #include "io/file_bytes.hpp"
+#include "io/log_states.hpp"
 #include "io/trajectory_source.hpp"
 
 namespace {
@@ -37,6 +38,10 @@ Where either side is a KITTI file, which has no times, the n-th pose is matched 
 --align se3    by the best rigid motion (Umeyama without scale), as evo -a does
 
 RPE: from each pose to the first one at least so far along the reference's way; mean over all, percent and deg/m.
+Kidnaps are jumps of the reference that no motion explains. recovery_s: from each to the first pose from which on the
+estimate is within 1 m and 5 degrees for a second, and says that it tracks; null: never. For this the estimate is laid
+over the poses before the first kidnap, orientations too. wrong_jumps: times the estimate came to claim TRACKING over
+2 m off by a jump; known for a log with scanlock.odometry_t on SCANLOCK_ODOMETRY, else null.
 KITTI: stretches of 100 to 800 m from every tenth pose, as the development kit averages them.)";
 
 int usage(int argc, char** argv, Options& options) {
@@ -98,7 +103,16 @@ Json relative_json(const std::optional<RelativeError>& error) {
   return {{"percent", error->percent}, {"deg_per_m", error->deg_per_m}};
 }
 
-Json result_json(const Evaluation& e) {
+Json result_json(const Comparison& comparison) {
+  const Evaluation& e = comparison.evaluation;
+  Json recovery_s = Json::array(), kidnaps = Json::array();
+  for (const Kidnap& kidnap : comparison.kidnaps.kidnaps) {
+    recovery_s.push_back(kidnap.recovery_s ? Json(*kidnap.recovery_s) : Json(nullptr));
+    kidnaps.push_back({{"at_s", kidnap.time_s - comparison.reference.front().time_s},
+                       {"jump_m", kidnap.jump_m},
+                       {"jump_deg", kidnap.jump_deg}});
+  }
+  const auto& wrong = comparison.kidnaps.wrong_jumps;
   return {{"poses", e.poses},
           {"matched", e.matched},
           {"length_m", e.length_m},
@@ -108,14 +122,24 @@ Json result_json(const Evaluation& e) {
             {"10m", relative_json(e.rpe[1])},
             {"100m", relative_json(e.rpe[2])}}},
           {"kitti", relative_json(e.kitti)},
-          {"recovery_s", Json::array()}};
+          {"kidnaps", kidnaps},
+          {"wrong_jumps", wrong ? Json(*wrong) : Json(nullptr)},
+          {"recovery_s", recovery_s}};
 }
 
 void run(const Options& options) {
-  const LoadedTrajectory estimate = load(options.estimate), reference = load(options.reference);
-  Comparison comparison{estimate.name, reference.name, estimate.trajectory, reference.trajectory, {}, {}};
+  const LoadedTrajectory estimate = load(options.estimate);
+  LoadedTrajectory reference = load(options.reference);
+  if (reference.has_times) sort_by_time(reference.trajectory);
+  Comparison comparison{
+      estimate.name, reference.name, estimate.trajectory, reference.trajectory, {}, {}, {}, {}};
   comparison.pairs = match(estimate, reference, options);
   comparison.evaluation = evaluate(comparison.pairs, estimate.trajectory.size(), overlay_of(options));
+  if (estimate.has_times && reference.has_times) {
+    comparison.states = load_states(options.estimate);
+    comparison.kidnaps =
+        examine_kidnaps(comparison.reference, comparison.pairs, comparison.states, overlay_of(options));
+  }
   const PosePair& first = comparison.pairs.front();
   const double apart = (first.estimate.translation() - first.reference.translation()).norm();
   if (overlay_of(options) == Overlay::kNone && apart > 1)
@@ -124,10 +148,10 @@ void run(const Options& options) {
   if (!options.picture.empty()) write_file_bytes(options.picture, trajectory_svg(comparison));
   if (!options.html.empty()) write_file_bytes(options.html, trajectory_html(comparison));
   if (options.json) {
-    std::cout << result_json(comparison.evaluation).dump() << "\n";
+    std::cout << result_json(comparison).dump() << "\n";
     return;
   }
-  for (const auto& [what, value] : result_rows(comparison.evaluation))
+  for (const auto& [what, value] : result_rows(comparison))
     std::printf("%-20s %s\n", what.c_str(), value.c_str());
 }
 

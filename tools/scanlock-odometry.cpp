@@ -74,6 +74,7 @@ int run(const Options& options) {
   Config config = options.config_path.empty() ? Config{} : load_config(options.config_path);
   if (!options.channels.empty()) config.daemon.scan_channels = options.channels;
   if (options.threads > 0) config.tracker.threads = options.threads;
+  check_config(config);
   ReplayResult result;
   {
     ProgressBar bar("odometry");
@@ -84,6 +85,10 @@ int run(const Options& options) {
   if (result.rejected > 0) {
     std::cerr << "scanlock-odometry: " << result.rejected
               << " messages hold no scan; the first: " << result.first_error << "\n";
+  }
+  if (result.prior_faults > 0) {
+    std::cerr << "scanlock-odometry: " << result.prior_faults
+              << " faults of the priors; the first: " << result.first_prior_fault << "\n";
   }
   if (result.scans == 0) {
     std::string names;

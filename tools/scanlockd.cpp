@@ -23,7 +23,7 @@ namespace {
 using namespace scanlock;
 
 struct Options {
-  std::string config_path, url, out_url, pose_channel;
+  std::string config_path, url, out_url, pose_channel, map_file;
   std::vector<std::string> scan_channels;
   int threads = 0;
   bool check = false, print = false, json = false;
@@ -54,10 +54,10 @@ class SignalThread {
   void wait() {
     if (ended_.wait_for_input(signal_fd_, std::chrono::hours(24 * 365)) != StopSignal::Event::kInput) return;
     stop_.request();
-    // A clean end takes one scan. Whatever holds it up (a peer that does not read, a scan of a second), a
-    // robot that shuts down does not wait for it.
+    // A clean end takes one scan and the saving of the map. Whatever holds it up (a peer that does not read,
+    // a slow disk), a robot that shuts down does not wait for it.
     if (ended_.wait_for(std::chrono::milliseconds(900))) return;
-    log_line(LogLevel::kWarning, "ended without waiting for the scan at hand");
+    log_line(LogLevel::kWarning, "ended without waiting for the scan at hand and the map");
     std::_Exit(0);
   }
 
@@ -73,6 +73,7 @@ Config configured(const Options& options) {
   if (!options.out_url.empty()) config.daemon.out_url = options.out_url;
   if (!options.scan_channels.empty()) config.daemon.scan_channels = options.scan_channels;
   if (!options.pose_channel.empty()) config.daemon.pose_channel = options.pose_channel;
+  if (!options.map_file.empty()) config.daemon.map.file = options.map_file;
   if (options.threads != 0) config.tracker.threads = options.threads;
   check_config(config);
   return config;
@@ -134,6 +135,11 @@ int serve(const Config& config) {
                                 std::to_string(counters.rejected()) + " rejected, " +
                                 std::to_string(counters.without_time) + " without a time, " +
                                 std::to_string(counters.kernel_drops) + " datagrams dropped by the kernel");
+  if (counters.priors_rejected + counters.priors_absent + counters.priors_contradicting > 0) {
+    log_line(LogLevel::kInfo, "priors: " + std::to_string(counters.priors_rejected) + " messages rejected, " +
+                                  std::to_string(counters.priors_absent) + " scans without, " +
+                                  std::to_string(counters.priors_contradicting) + " scans that contradict");
+  }
   return 0;
 }
 
@@ -151,6 +157,8 @@ int run(int argc, char** argv) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--pose-channel", options.pose_channel,
                  "channel of bot_core.pose_t; default: POSE_BODY_CORRECTED");
+  app.add_option("--map", options.map_file,
+                 "map to come back to, where the file exists, and to save to on exit; default: none");
   app.add_option("--threads", options.threads, "threads of one alignment; the result does not depend on it")
       ->check(CLI::Range(1, 256));
   app.add_flag("--check", options.check,

@@ -275,7 +275,36 @@ Config load_config(const std::string& path) {
   return parse_config(text, path);
 }
 
+namespace {
+
+/// A channel cannot serve two purposes, and the poses published here are no prior of their own.
+void check_channels(const DaemonConfig& daemon) {
+  std::vector<std::pair<std::string, std::string>> used;  // name, key
+  for (const auto& channel : daemon.scan_channels) used.emplace_back(channel, "input.scan_channels");
+  for (const auto& [channel, key] :
+       {std::pair(daemon.pose_channel, "output.pose_channel"),
+        std::pair(daemon.odometry_channel, "output.odometry_channel"),
+        std::pair(daemon.status_channel, "output.status_channel"),
+        std::pair(daemon.rigid_transform_channel, "output.rigid_transform_channel"),
+        std::pair(daemon.nav_odometry_channel, "output.nav_odometry_channel"),
+        std::pair(daemon.pose2d_channel, "output.pose2d_channel")})
+    used.emplace_back(channel, key);
+  for (const auto& [channel, key] :
+       {std::pair(daemon.command_channel, "input.command_channel"),
+        std::pair(daemon.attitude_channel, "input.attitude_channel"),
+        std::pair(daemon.prior_odometry_channel, "input.prior_odometry_channel")}) {
+    for (const auto& [other, other_key] : used) {
+      if (!channel.empty() && channel == other)
+        fail("", key, "\"" + channel + "\" is " + other_key + " already; give it a channel of its own");
+    }
+    used.emplace_back(channel, key);
+  }
+}
+
+}  // namespace
+
 void check_config(const Config& config) {
+  check_channels(config.daemon);
   Config copy = config;
   for (const auto& key : config_keys()) {
     std::visit([&](const auto& access) { check_value(key, access(copy), ""); }, key.access);

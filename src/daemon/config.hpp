@@ -19,6 +19,12 @@ struct MountConfig {
 /// Maps coordinates of the sensor to coordinates of the body.
 Pose body_from_sensor(const MountConfig& mount);
 
+/// The map that outlives a run.
+struct MapConfig {
+  std::string file;           ///< empty: none is loaded or saved but on command
+  double save_period_s = 60;  ///< 0: saved on exit and on command only
+};
+
 /// Everything about scanlockd that is not odometry. The table in `config_keys.cpp` explains each member.
 struct DaemonConfig {
   std::string url;  ///< empty: LCM_DEFAULT_URL, else multicast on this host only
@@ -27,6 +33,9 @@ struct DaemonConfig {
   int max_message_bytes = 64 << 20;
   int max_points = 2000000;
   bool mbot_clockwise = false;
+  std::string command_channel = "SCANLOCK_COMMAND";
+  std::string attitude_channel;        ///< bot_core.ins_t; empty: none, as for the next one
+  std::string prior_odometry_channel;  ///< bot_core.pose_t of wheels, legs or whatever else
   double silence_warning_s = 5;
 
   std::string out_url;  ///< empty: as `url`, or the default when `url` is a log
@@ -44,6 +53,7 @@ struct DaemonConfig {
   double status_period_s = 1;
 
   MountConfig mount;
+  MapConfig map;
 };
 
 struct Config {

@@ -23,6 +23,14 @@ ConfigKey make_key(const char* section, const char* name, T MountConfig::*member
       max,     help, {},   Access<T>([member](Config& config) -> T& { return config.daemon.mount.*member; })};
 }
 
+template <typename T>
+ConfigKey make_key(const char* section, const char* name, T MapConfig::*member, const char* unit, double min,
+                   double max, const char* help) {
+  return {
+      section, name, unit, min,
+      max,     help, {},   Access<T>([member](Config& config) -> T& { return config.daemon.map.*member; })};
+}
+
 /// The tracker's keys need neither section nor a second name: `TRACKER(member, unit, min, max, help)`.
 template <typename T>
 ConfigKey tracker_key(const char* name, T TrackerConfig::*member, const char* unit, double min, double max,
@@ -35,6 +43,7 @@ ConfigKey tracker_key(const char* name, T TrackerConfig::*member, const char* un
 std::vector<ConfigKey> make_table() {
   using D = DaemonConfig;
   using M = MountConfig;
+  using F = MapConfig;
 // clang-format off
 #define TRACKER(member, unit, min, max, help) tracker_key(#member, &TrackerConfig::member, unit, min, max, help)
   return {
@@ -44,6 +53,9 @@ std::vector<ConfigKey> make_table() {
     make_key("input", "max_message_bytes", &D::max_message_bytes, "bytes", 1024, 1 << 28, "larger messages are rejected unread"),
     make_key("input", "max_points", &D::max_points, "points", 1, 20000000, "scans of more points are rejected"),
     make_key("input", "mbot_clockwise", &D::mbot_clockwise, "", 0, 1, "sense of the angles in mbot's lidar_t: false when they grow counter-clockwise seen from above"),
+    make_key("input", "command_channel", &D::command_channel, "", 0, kMaxChannelLength, "scanlock.command_t: set pose, reset, save map, load map; empty: none are taken"),
+    make_key("input", "attitude_channel", &D::attitude_channel, "", 0, kMaxChannelLength, "bot_core.ins_t of the body: its roll and pitch tell where up is; empty: none"),
+    make_key("input", "prior_odometry_channel", &D::prior_odometry_channel, "", 0, kMaxChannelLength, "bot_core.pose_t of the body from another odometry (wheels, legs): its motion from scan to scan serves as a prediction; empty: none"),
     make_key("input", "silence_warning_s", &D::silence_warning_s, "s", 0.5, 86400, "no usable scan for so long: a warning, repeated at growing intervals"),
 
     make_key("output", "url", &D::out_url, "", 0, 1000, "LCM URL of everything published; empty: that of the input, unless that is a log"),
@@ -66,6 +78,9 @@ std::vector<ConfigKey> make_table() {
     make_key("mount", "roll_deg", &M::roll_deg, "deg", -180, 180, "turn of the sensor about the body's x axis; R = Rz(yaw) Ry(pitch) Rx(roll)"),
     make_key("mount", "pitch_deg", &M::pitch_deg, "deg", -180, 180, "turn of the sensor about the body's y axis"),
     make_key("mount", "yaw_deg", &M::yaw_deg, "deg", -180, 180, "turn of the sensor about the body's z axis"),
+
+    make_key("map", "file", &F::file, "", 0, 4000, "map to find the place in at the start, where the file exists, and to save to on exit; empty: none"),
+    make_key("map", "save_period_s", &F::save_period_s, "s", 0, 86400, "the map is also saved so often when it has grown, for an exit that is not clean; 0: not"),
 
     TRACKER(min_range_m, "m", 0, 1000, "returns nearer than this are the robot itself"),
     TRACKER(max_range_m, "m", 1, 10000, "returns farther than this are dropped"),

@@ -2,24 +2,15 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/daemon.hpp"
 
-#include <array>
-#include <exception>
 #include <future>
-#include <utility>
 
-#include "daemon/background_search.hpp"
-#include "daemon/lcm_url.hpp"
-#include "daemon/mount.hpp"
 #include "daemon/silence.hpp"
+#include "daemon/worker.hpp"
 
 namespace scanlock {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-float milliseconds(Clock::duration duration) {
-  return std::chrono::duration<float, std::milli>(duration).count();
-}
 
 std::string joined(const std::vector<std::string>& names) {
   std::string out;
@@ -27,67 +18,31 @@ std::string joined(const std::vector<std::string>& names) {
   return out;
 }
 
+constexpr std::size_t kMostCommands = 64;  // that wait; people and scripts send one
+
 /// How often the publishing thread looks at the stop signal while no scan comes.
 constexpr std::chrono::milliseconds kGlance{50};
 
 }  // namespace
 
 Daemon::Daemon(const Config& config, const std::string& version)
-    : config_(config), outputs_(config_.daemon, version, statistics_) {}
+    : config_(config), outputs_(config_.daemon, version, statistics_), inbox_(kMostCommands) {}
 
 void Daemon::run(const StopSignal& stop) {
-  Receiver receiver(config_.daemon, scans_, statistics_, stop);
+  Worker worker(config_, inbox_, finished_, statistics_);
+  Receiver receiver(config_.daemon, inbox_, statistics_, stop);
   std::future<void> receiving = std::async(std::launch::async, [&] {
     try {
       receiver.run();
     } catch (...) {
-      scans_.finish();
+      inbox_.finish();
       throw;
     }
   });
-  std::future<void> working = std::async(std::launch::async, [this] { work(); });
+  std::future<void> working = std::async(std::launch::async, [&] { worker.run(); });
   publish_until_the_end(stop);
   working.get();
   receiving.get();
-}
-
-void Daemon::work() {
-  Tracker tracker(config_.tracker);
-  BackgroundSearch search(is_log_url(input_url(config_.daemon)));
-  while (auto received = scans_.take()) {
-    try {
-      if (auto answer = search.poll()) tracker.give(std::move(*answer));
-      finished_.put(track(tracker, *received));
-      if (auto request = tracker.take_request()) search.start(std::move(*request));
-    } catch (const std::exception& error) {  // out of memory, at most; the next scan begins anew
-      statistics_.set_error(std::string("a scan could not be tracked: ") + error.what());
-      log_line(LogLevel::kError, std::string("a scan could not be tracked, starting anew: ") + error.what());
-      tracker.reset();
-    }
-  }
-  finished_.finish();
-}
-
-FinishedScan Daemon::track(Tracker& tracker, const ReceivedScan& received) {
-  FinishedScan finished;
-  std::array<float, 3> stages{};
-  auto mark = Clock::now();
-  finished.scan_seq = received.seq;
-  finished.recv_utime = received.recv_utime;
-  finished.arrival = received.arrival;
-  finished.times.decode_ms = static_cast<float>(received.decode_ms);
-  finished.times.wait_ms = milliseconds(mark - received.arrival) - finished.times.decode_ms;
-  tracker.set_stage_observer([&](Stage stage) {
-    const auto now = Clock::now();
-    stages[static_cast<std::size_t>(stage)] += milliseconds(now - mark);
-    mark = now;
-  });
-  finished.tracked = seen_from_body(tracker.track(received.scan), body_from_sensor(config_.daemon.mount));
-  tracker.set_stage_observer(nullptr);
-  finished.times.preprocess_ms = stages[0];
-  finished.times.align_ms = stages[1];
-  finished.times.map_ms = stages[2];
-  return finished;
 }
 
 void Daemon::publish_until_the_end(const StopSignal& stop) {
@@ -96,7 +51,7 @@ void Daemon::publish_until_the_end(const StopSignal& stop) {
   SilenceWatch silence(joined(config_.daemon.scan_channels), config_.daemon.silence_warning_s, Clock::now());
   auto next_status = Clock::now();
   while (!finished_.ended()) {
-    if (stop.requested()) scans_.close();  // the worker finishes the scan at hand, and no other
+    if (stop.requested()) inbox_.close();  // the worker finishes the scan at hand, and no other
     const auto now = Clock::now();
     if (now >= next_status) {
       outputs_.publish_status();

@@ -152,6 +152,8 @@ void Outputs::publish_status() {
   status.nonfinite_points = counters.nonfinite_points;
   status.kernel_drops = counters.kernel_drops;
   status.publish_errors = counters.publish_errors;
+  status.commands = counters.commands;
+  status.commands_rejected = counters.commands_rejected;
   status.recoveries = counters.recoveries;
   status.recovery_failures = counters.recovery_failures;
   status.recv_buf_wanted = report.recv_buf_wanted;

@@ -8,6 +8,7 @@
 
 #include "daemon/host_network.hpp"
 #include "daemon/lcm_url.hpp"
+#include "messages/decode_report.hpp"
 
 namespace scanlock {
 namespace {
@@ -21,21 +22,23 @@ double milliseconds(Clock::duration duration) {
 /// LCM's own queue keeps the oldest; it stays short because the handler is quick. The sectors of a whole scan
 /// may come in one burst and have to fit (0 would mean no limit).
 constexpr int kQueueCapacity = 64;
+constexpr int kPriorCapacity = 1000;  // small messages, a thousand a second at most
 constexpr std::chrono::milliseconds kFirstRetry{250}, kLastRetry{8000};
 constexpr std::chrono::milliseconds kSocketPeriod{500};
 
 }  // namespace
 
-Receiver::Receiver(const DaemonConfig& config, Slot<ReceivedScan>& slot, Statistics& statistics,
+Receiver::Receiver(const DaemonConfig& config, WorkInbox& inbox, Statistics& statistics,
                    const StopSignal& stop)
     : config_(config),
       url_(input_url(config)),
       from_log_(is_log_url(url_)),
-      slot_(slot),
+      inbox_(inbox),
       statistics_(statistics),
       stop_(stop),
       limits_{static_cast<std::size_t>(config.max_message_bytes), static_cast<std::size_t>(config.max_points),
-              config.mbot_clockwise} {
+              config.mbot_clockwise},
+      priors_(config) {
   for (const auto& channel : config.scan_channels)
     assemblers_.emplace(channel, SectorAssembler(limits_.max_points));
 }
@@ -53,7 +56,7 @@ void Receiver::run() {
     }
     if (stop_.wait_for(kFirstRetry)) break;  // the link broke: a new one after a breath
   }
-  slot_.finish();
+  inbox_.finish();
 }
 
 std::unique_ptr<lcm::LCM> Receiver::connect() {
@@ -88,6 +91,10 @@ std::unique_ptr<lcm::LCM> Receiver::try_connect() {
   for (const auto& channel : config_.scan_channels) {
     lcm->subscribe(literal_pattern(channel), &Receiver::on_message, this)->setQueueCapacity(kQueueCapacity);
   }
+  if (!config_.command_channel.empty())
+    lcm->subscribe(literal_pattern(config_.command_channel), &Receiver::on_command, this);
+  for (const auto& channel : priors_.channels())
+    lcm->subscribe(literal_pattern(channel), &Receiver::on_prior, this)->setQueueCapacity(kPriorCapacity);
   if (is_multicast_url(url_) && lcm->getFileno() < 0) return nullptr;
   if (!is_multicast_url(url_)) return lcm;
 
@@ -137,6 +144,26 @@ void Receiver::on_message(const lcm::ReceiveBuffer* buffer, const std::string& c
   }
 }
 
+void Receiver::on_command(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+  try {
+    const auto command = decode_command(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+    if (!command.ok()) return reject_command(channel + ": " + command.error);
+    if (!inbox_.post(command.value)) reject_command(channel + ": too many commands wait already");
+  } catch (const std::exception& error) {
+    reject_command(channel + ": " + error.what());
+  }
+}
+
+void Receiver::on_prior(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+  try {
+    const auto sentence =
+        priors_.take(channel, static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+    if (sentence) complain_of_prior(&Counters::priors_rejected, *sentence);
+  } catch (const std::exception& error) {
+    complain_of_prior(&Counters::priors_rejected, channel + ": " + error.what());
+  }
+}
+
 void Receiver::on_bytes(const lcm::ReceiveBuffer& buffer, const std::string& channel) {
   ReceivedScan received;
   received.arrival = Clock::now();
@@ -168,10 +195,13 @@ void Receiver::on_scan(DecodedScan decoded, ReceivedScan received, const std::st
                channel + ": scans without a time (utime <= 0); their time of arrival is taken");
     }
   }
+  PriorIntake::Reading reading = priors_.read(received.scan.utime);
+  received.prior = std::move(reading.sample);
+  if (!reading.fault.empty()) complain_of_prior(&Counters::priors_absent, "prior: " + reading.fault);
   received.decode_ms = milliseconds(Clock::now() - received.arrival);
   if (from_log_) {
-    slot_.put(std::move(received));
-  } else if (slot_.replace(std::move(received))) {
+    inbox_.put(std::move(received));
+  } else if (inbox_.replace(std::move(received))) {
     statistics_.count(&Counters::replaced);
   }
 }
@@ -203,6 +233,19 @@ void Receiver::reject(DecodeFault fault, const std::string& sentence) {
   const long more = rejections_.suppressed();
   log_line(LogLevel::kWarning,
            "rejected: " + sentence + (more > 0 ? " (and " + std::to_string(more) + " before it)" : ""));
+}
+
+void Receiver::reject_command(const std::string& sentence) {
+  statistics_.count(&Counters::commands_rejected);
+  statistics_.set_error(sentence);
+  if (rejections_.allows(Clock::now())) log_line(LogLevel::kWarning, "command rejected: " + sentence);
+}
+
+void Receiver::complain_of_prior(std::int64_t Counters::*counter, const std::string& sentence) {
+  statistics_.count(counter);
+  if (!prior_faults_.allows(Clock::now())) return;  // at hundreds a second they would hide every other error
+  statistics_.set_error(sentence);
+  log_line(LogLevel::kWarning, sentence);
 }
 
 void Receiver::watch_sockets() {

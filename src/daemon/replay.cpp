@@ -9,11 +9,13 @@
 #include <utility>
 
 #include "daemon/mount.hpp"
+#include "daemon/prior_intake.hpp"
 #include "io/cloud_file.hpp"
 #include "io/lcm_log.hpp"
 #include "messages/decode_scan.hpp"
 #include "messages/encode.hpp"
 #include "messages/sector_assembler.hpp"
+#include "odometry/prior_judge.hpp"
 
 namespace scanlock {
 namespace {
@@ -26,7 +28,11 @@ TwistFrame twist_frame(const std::string& name) {
 class Replay {
  public:
   Replay(const ReplayOptions& options, const Config& config)
-      : config_(config), tracker_(config.tracker), mount_(body_from_sensor(config.daemon.mount)) {
+      : config_(config),
+        tracker_(config.tracker),
+        mount_(body_from_sensor(config.daemon.mount)),
+        priors_(config.daemon),
+        judge_(mount_) {
     if (!options.output_log_path.empty()) writer_.emplace(options.output_log_path);
   }
 
@@ -36,7 +42,7 @@ class Replay {
       return;
     }
     ++result_.scans;
-    const TrackedScan tracked = seen_from_body(tracker_.track(decoded.scan), mount_);
+    const TrackedScan tracked = seen_from_body(track(decoded.scan), mount_);
     if (const auto request = tracker_.take_request()) tracker_.give(finder_.find(*request));
     if (tracked.verdict == ScanVerdict::kDuplicateTime || tracked.verdict == ScanVerdict::kBackwardTime) {
       ++result_.bad_times;
@@ -45,6 +51,11 @@ class Replay {
     if (tracked.verdict == ScanVerdict::kEmpty && tracked.method == PoseMethod::kNone)
       return;  // before the first
     record(tracked);
+  }
+
+  void take_prior(const LogEvent& event) {
+    if (const auto fault = priors_.take(event.channel, event.data.data(), event.data.size()))
+      count_prior_fault(*fault);
   }
 
   void count_fault(const std::string& sentence) {
@@ -60,6 +71,18 @@ class Replay {
   ReplayResult& result() { return result_; }
 
  private:
+  TrackedScan track(const Scan& scan) {
+    const PriorIntake::Reading reading = priors_.read(scan.utime);
+    if (!reading.fault.empty()) count_prior_fault(reading.fault);
+    TrackedScan tracked = tracker_.track(scan, judge_.prior(reading.sample));
+    if (const auto sentence = judge_.learn(reading.sample, tracked)) count_prior_fault(*sentence);
+    return tracked;
+  }
+
+  void count_prior_fault(const std::string& sentence) {
+    if (result_.prior_faults++ == 0) result_.first_prior_fault = sentence;
+  }
+
   void record(const TrackedScan& tracked) {
     ++result_.states[static_cast<std::size_t>(tracked.state)];
     const bool recovered = tracked.recovery && tracked.recovery->accepted;
@@ -96,6 +119,8 @@ class Replay {
   Tracker tracker_;
   PlaceFinder finder_;
   Pose mount_;
+  PriorIntake priors_;
+  PriorJudge judge_;
   std::optional<LogWriter> writer_;
   ReplayResult result_;
   std::uint32_t epoch_ = 0;
@@ -119,7 +144,10 @@ ReplayResult replay_log(const ReplayOptions& options, const Config& config,
 
   while (const std::optional<LogEvent> event = reader.next()) {
     const auto assembler = assemblers.find(event->channel);
-    if (assembler == assemblers.end()) continue;
+    if (assembler == assemblers.end()) {
+      replay.take_prior(*event);
+      continue;
+    }
     const Clock::time_point begin = Clock::now();
     bool whole = false;
     for (const DecodedScan& scan :

@@ -29,9 +29,11 @@ struct ReplayResult {
   std::int64_t false_starts = 0;         ///< times the tracker began anew on a jump of the clock
   std::int64_t recoveries = 0;           ///< global registrations accepted
   std::int64_t recovery_failures = 0;    ///< and not accepted
-  double distance_m = 0;                 ///< way along the trajectory
-  std::vector<double> scan_ms;           ///< wall clock of decoding and tracking, each scan
-  std::string damage;                    ///< a sentence on the state of the log, or empty
+  std::int64_t prior_faults = 0;  ///< of other sensors: useless messages, scans without, contradictions
+  std::string first_prior_fault;  ///< a sentence on the first of those
+  double distance_m = 0;          ///< way along the trajectory
+  std::vector<double> scan_ms;    ///< wall clock of decoding and tracking, each scan
+  std::string damage;             ///< a sentence on the state of the log, or empty
 };
 
 /// Runs the daemon's pipeline over an LCM log: every scan, in order, as fast as the machine goes. Everything

@@ -29,6 +29,10 @@ struct Counters {
   std::int64_t nonfinite_points = 0;
   std::int64_t kernel_drops = 0;
   std::int64_t publish_errors = 0;
+  std::int64_t priors_rejected = 0;       ///< messages of other sensors: undecodable, not finite, backward
+  std::int64_t priors_absent = 0;         ///< scans of whose instant a configured sensor said nothing
+  std::int64_t priors_contradicting = 0;  ///< scans that contradict what it said
+  std::int64_t commands = 0, commands_rejected = 0;
   std::int64_t recoveries = 0, recovery_failures = 0;  ///< global registrations, accepted and not
   std::int64_t last_error_utime = 0;
   std::string last_error;

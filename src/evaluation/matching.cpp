@@ -15,12 +15,12 @@ std::vector<double> way_along(const Trajectory& trajectory) {
   return way;
 }
 
+}  // namespace
+
 void sort_by_time(Trajectory& trajectory) {
   std::stable_sort(trajectory.begin(), trajectory.end(),
                    [](const StampedPose& a, const StampedPose& b) { return a.time_s < b.time_s; });
 }
-
-}  // namespace
 
 PosePairs match_by_time(Trajectory estimate, Trajectory reference, double tolerance_s) {
   sort_by_time(estimate);

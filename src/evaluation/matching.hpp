@@ -21,6 +21,9 @@ using PosePairs = std::vector<PosePair>;
 /// default.
 constexpr double kDefaultTimeTolerance = 0.01;
 
+/// Stable.
+void sort_by_time(Trajectory& trajectory);
+
 /// Pairs each estimated pose with the reference pose nearest in time, when that is within `tolerance_s`; a
 /// reference pose that is nearest to several estimates goes to the nearest of them. Nothing is interpolated.
 /// Both are brought into the order of time first; the pairs come in that order.

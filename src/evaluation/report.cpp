@@ -22,6 +22,10 @@ text { font-family: "DejaVu Sans", Verdana, Helvetica, sans-serif; fill: #202124
 .bar { stroke: #202124; stroke-width: 2; fill: none; }
 .reference { stroke: #b0b6bd; stroke-width: 5; fill: none; stroke-linejoin: round; stroke-linecap: round; }
 .estimate { stroke: #1a56c4; stroke-width: 1.8; fill: none; stroke-linejoin: round; stroke-linecap: round; }
+.lost { stroke: #e8710a; stroke-width: 2.2; stroke-dasharray: 2 5; fill: none; stroke-linecap: round; }
+.kidnap { stroke: #a50e8a; stroke-width: 2; stroke-dasharray: 9 5; fill: none; }
+.kidnap-end { fill: none; stroke: #a50e8a; stroke-width: 3; }
+.kidnap-line { stroke: #a50e8a; stroke-width: 1; stroke-dasharray: 9 5; fill: none; }
 .error { stroke: #c5221f; stroke-width: 1.6; fill: none; stroke-linejoin: round; }
 .start { fill: none; stroke: #188038; stroke-width: 3; }
 .reference-end { fill: #b0b6bd; stroke: #5f6368; }
@@ -54,35 +58,95 @@ Range range_of(const std::vector<double>& values, double least, double margin) {
   return {middle - half, middle + half};
 }
 
+/// How the picture lays the estimate over the reference.
+const Pose& picture_overlay(const Comparison& comparison) {
+  return comparison.kidnaps.kidnaps.empty() ? comparison.evaluation.reference_from_estimate
+                                            : comparison.kidnaps.reference_from_estimate;
+}
+
+bool claims_to_track(const Comparison& comparison, double time_s) {
+  if (comparison.states.empty()) return true;
+  const auto state = state_at(comparison.states, time_s);
+  return state == TrackingState::kTracking || state == TrackingState::kDegraded;
+}
+
+/// The reference without lines across the kidnaps.
+std::vector<Points2> reference_pieces(const Comparison& comparison) {
+  std::vector<Points2> pieces(1);
+  auto next = comparison.kidnaps.kidnaps.begin();
+  for (std::size_t i = 0; i < comparison.reference.size(); ++i) {
+    if (next != comparison.kidnaps.kidnaps.end() && i == next->index) {
+      pieces.emplace_back();
+      ++next;
+    }
+    pieces.back().push_back(comparison.reference[i].pose.translation().head<2>());
+  }
+  return pieces;
+}
+
+/// A stretch of the estimate of one kind.
+struct Stretch {
+  bool tracking;
+  Points2 line;
+};
+
+std::vector<Stretch> estimate_stretches(const Comparison& comparison) {
+  const Pose& overlay = picture_overlay(comparison);
+  std::vector<Stretch> stretches;
+  for (const StampedPose& stamped : comparison.estimate) {
+    const bool tracking = claims_to_track(comparison, stamped.time_s);
+    if (stretches.empty() || stretches.back().tracking != tracking) stretches.push_back({tracking, {}});
+    stretches.back().line.push_back((overlay * stamped.pose.translation()).head<2>());
+  }
+  return stretches;
+}
+
+std::string kidnap_words(const Kidnap& kidnap) {
+  return number("kidnapped %.1f m, ", kidnap.jump_m) + number("%.0f deg; ", kidnap.jump_deg) +
+         (kidnap.recovery_s ? number("back after %.1f s", *kidnap.recovery_s) : "not back");
+}
+
+std::string kidnaps_from_above(const Comparison& comparison, const SvgPanel& panel) {
+  std::string svg;
+  for (const Kidnap& kidnap : comparison.kidnaps.kidnaps) {
+    const Eigen::Vector2d from = comparison.reference[kidnap.index - 1].pose.translation().head<2>();
+    const Eigen::Vector2d to = comparison.reference[kidnap.index].pose.translation().head<2>();
+    svg += panel.line({from, to}, "kidnap") + panel.circle(to, "kidnap-end") +
+           panel.label(to, kidnap_words(kidnap));
+  }
+  return svg;
+}
+
 std::string seen_from_above(const Comparison& comparison) {
-  const Pose& overlay = comparison.evaluation.reference_from_estimate;
-  Points2 reference, estimate;
+  const std::vector<Points2> reference = reference_pieces(comparison);
+  const std::vector<Stretch> estimate = estimate_stretches(comparison);
   std::vector<double> x, y;
-  for (const StampedPose& stamped : comparison.reference)
-    reference.push_back(stamped.pose.translation().head<2>());
-  for (const StampedPose& stamped : comparison.estimate)
-    estimate.push_back((overlay * stamped.pose.translation()).head<2>());
-  for (const Points2* points : {&reference, &estimate}) {
-    for (const Eigen::Vector2d& point : *points) {
+  const auto widen = [&](const Points2& points) {
+    for (const Eigen::Vector2d& point : points) {
       x.push_back(point.x());
       y.push_back(point.y());
     }
-  }
+  };
+  for (const Points2& piece : reference) widen(piece);
+  for (const Stretch& stretch : estimate) widen(stretch.line);
   const Range x_range = range_of(x, 1e-3, 0.04), y_range = range_of(y, 1e-3, 0.04);
   const auto panel = SvgPanel::equal_scales({kLeft, 84, kPanelWidth, 520}, {x_range.min, y_range.min},
                                             {x_range.max, y_range.max});
+  const Eigen::Vector2d start = estimate.front().line.front(), end = estimate.back().line.back();
   std::string svg = panel.grid("x (m)", "y (m)", 9, 6);
-  svg += panel.line(reference, "reference") + panel.line(estimate, "estimate");
-  svg += panel.square(reference.back(), "reference-end") + panel.square(estimate.back(), "estimate-end");
-  svg += panel.circle(estimate.front(), "start");
-  const bool loop = (panel.to_pixels(estimate.front()) - panel.to_pixels(estimate.back())).norm() < 60;
-  svg += panel.label(estimate.front(), loop ? "start and end" : "start");
-  if (!loop) svg += panel.label(estimate.back(), "end");
-  return svg + panel.scale_bar();
+  for (const Points2& piece : reference) svg += panel.line(piece, "reference");
+  for (const Stretch& stretch : estimate)
+    svg += panel.line(stretch.line, stretch.tracking ? "estimate" : "lost");
+  svg += panel.square(reference.back().back(), "reference-end") + panel.square(end, "estimate-end");
+  svg += panel.circle(start, "start");
+  const bool loop = (panel.to_pixels(start) - panel.to_pixels(end)).norm() < 60;
+  svg += panel.label(start, loop ? "start and end" : "start");
+  if (!loop) svg += panel.label(end, "end");
+  return svg + kidnaps_from_above(comparison, panel) + panel.scale_bar();
 }
 
 std::string over_the_way(const Comparison& comparison) {
-  const Pose& overlay = comparison.evaluation.reference_from_estimate;
+  const Pose& overlay = picture_overlay(comparison);
   const std::vector<double> errors = position_errors(comparison.pairs, overlay);
   Points2 reference, estimate, error;
   std::vector<double> heights;
@@ -97,12 +161,19 @@ std::string over_the_way(const Comparison& comparison) {
   }
   const double way = std::max(comparison.evaluation.length_m, 1e-3);
   const Range height = range_of(heights, 0.1, 0.1);
+  const double most = std::max(1.1 * *std::max_element(errors.begin(), errors.end()), 1e-3);
   const SvgPanel side({kLeft, 660, kPanelWidth, 120}, {0, height.min}, {way, height.max});
-  const SvgPanel below({kLeft, 840, kPanelWidth, 120}, {0, 0},
-                       {way, std::max(1.1 * comparison.evaluation.ate_m.max, 1e-3)});
-  return side.grid("way (m)", "height z (m)", 9, 4) + side.line(reference, "reference") +
-         side.line(estimate, "estimate") + below.grid("way (m)", "error (m)", 9, 4) +
-         below.line(error, "error");
+  const SvgPanel below({kLeft, 840, kPanelWidth, 120}, {0, 0}, {way, most});
+  std::string svg = side.grid("way (m)", "height z (m)", 9, 4) + side.line(reference, "reference") +
+                    side.line(estimate, "estimate") + below.grid("way (m)", "error (m)", 9, 4);
+  for (const Kidnap& kidnap : comparison.kidnaps.kidnaps) {
+    const auto at = std::find_if(comparison.pairs.begin(), comparison.pairs.end(),
+                                 [&](const PosePair& pair) { return pair.time_s >= kidnap.time_s - 1e-3; });
+    if (at == comparison.pairs.end()) continue;
+    const double x = at->way_m - comparison.pairs.front().way_m;
+    svg += below.line({{x, 0}, {x, most}}, "kidnap-line");
+  }
+  return svg + below.line(error, "error");
 }
 
 std::string heading(const Comparison& comparison) {
@@ -120,12 +191,16 @@ std::string heading(const Comparison& comparison) {
          text("axis", 58, numbers) +
          "<path class=\"estimate\" d=\"M76 72h28\"/><text class=\"tick\" x=\"110\" y=\"76\">estimate</text>\n"
          "<path class=\"reference\" d=\"M186 72h28\"/><text class=\"tick\" x=\"222\" "
-         "y=\"76\">reference</text>\n";
+         "y=\"76\">reference</text>\n" +
+         (comparison.states.empty() ? ""
+                                    : "<path class=\"lost\" d=\"M304 72h28\"/><text class=\"tick\" x=\"340\" "
+                                      "y=\"76\">estimate, not tracking by its own account</text>\n");
 }
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> result_rows(const Evaluation& evaluation) {
+std::vector<std::pair<std::string, std::string>> result_rows(const Comparison& comparison) {
+  const Evaluation& evaluation = comparison.evaluation;
   std::vector<std::pair<std::string, std::string>> rows = {
       {"poses", std::to_string(evaluation.poses)},
       {"matched", std::to_string(evaluation.matched)},
@@ -137,6 +212,12 @@ std::vector<std::pair<std::string, std::string>> result_rows(const Evaluation& e
   for (std::size_t i = 0; i < kRelativeLengths.size(); ++i)
     rows.push_back({"RPE over " + number("%.0f m", kRelativeLengths[i]), relative_text(evaluation.rpe[i])});
   rows.push_back({"KITTI 100 to 800 m", relative_text(evaluation.kitti)});
+  for (const Kidnap& kidnap : comparison.kidnaps.kidnaps) {
+    const double since_start = kidnap.time_s - comparison.reference.front().time_s;
+    rows.push_back({number("at %.1f s", since_start), kidnap_words(kidnap)});
+  }
+  if (comparison.kidnaps.wrong_jumps)
+    rows.push_back({"wrong jumps", std::to_string(*comparison.kidnaps.wrong_jumps)});
   return rows;
 }
 
@@ -160,7 +241,7 @@ std::string trajectory_html(const Comparison& comparison) {
                      "td { padding: 0.3em 1.2em 0.3em 0; border-bottom: 1px solid #eceff1; }\n"
                      "td + td { font-variant-numeric: tabular-nums; }\n</style>\n</head>\n<body>\n" +
                      trajectory_svg(comparison) + "<table>\n";
-  for (const auto& [what, value] : result_rows(comparison.evaluation))
+  for (const auto& [what, value] : result_rows(comparison))
     html += "<tr><td>" + escaped(what) + "</td><td>" + escaped(value) + "</td></tr>\n";
   return html + "</table>\n</body>\n</html>\n";
 }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "evaluation/kidnaps.hpp"
 #include "evaluation/metrics.hpp"
 
 namespace scanlock {
@@ -16,13 +17,17 @@ struct Comparison {
   Trajectory estimate, reference;
   PosePairs pairs;
   Evaluation evaluation;
+  KidnapReport kidnaps;
+  std::vector<StampedState> states;  ///< of the estimate, in the order of time; empty: not known
 };
 
 /// The result as rows of a table: what, and how much with its unit ("-" where the way is too short).
-std::vector<std::pair<std::string, std::string>> result_rows(const Evaluation& evaluation);
+std::vector<std::pair<std::string, std::string>> result_rows(const Comparison& comparison);
 
 /// A picture of 1000 x 1020 pixels: both trajectories from above, height and error over the way. Thousands of
-/// poses are thinned to what can be seen.
+/// poses are thinned to what can be seen. Where the reference was kidnapped, the jump is marked, and the
+/// estimate is laid over what was before it; where the states are known, poses that do not claim to track are
+/// dashed.
 std::string trajectory_svg(const Comparison& comparison);
 
 /// One self-contained page with the picture and the table.

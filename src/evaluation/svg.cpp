@@ -158,7 +158,9 @@ std::string SvgPanel::scale_bar() const {
 
 std::string SvgPanel::label(const Eigen::Vector2d& place, const std::string& text) const {
   const Eigen::Vector2d p = to_pixels(place);
-  const bool at_the_right = p.x() > frame_.left + frame_.width - 60;
+  constexpr double kCharacter = 7;  // pixels, about
+  const double width = 10 + kCharacter * static_cast<double>(text.size());
+  const bool at_the_right = p.x() + width > frame_.left + frame_.width;
   return printed("<text class=\"axis halo\" text-anchor=\"%s\" x=\"%.1f\" y=\"%.1f\">",
                  at_the_right ? "end" : "start", p.x() + (at_the_right ? -10 : 10), p.y() - 8) +
          escaped(text) + "</text>\n";

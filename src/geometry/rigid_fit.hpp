@@ -19,6 +19,12 @@ struct PairSums {
     q += w * to;
     qp += (w * to) * from.transpose();
   }
+  void add(const PairSums& other) {
+    weight += other.weight;
+    p += other.p;
+    q += other.q;
+    qp += other.qp;
+  }
 };
 
 /// argmin sum w |R p + t - q|^2 over rigid motions, equation 17, by the singular value decomposition. What

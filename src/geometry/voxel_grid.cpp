@@ -127,6 +127,57 @@ class VoxelTable {
   std::size_t used_ = 0;
 };
 
+/// Which voxels there are, in the order in which they were first met, by open addressing.
+class VoxelNumbers {
+ public:
+  VoxelNumbers() : slots_(1u << 13) {}
+
+  std::uint32_t number(std::uint64_t key) {
+    Slot& slot = find(key);
+    if (slot.number != kEmpty) return slot.number;
+    const std::uint32_t number = static_cast<std::uint32_t>(keys_.size());
+    slot = {key, number};
+    keys_.push_back(key);
+    if (keys_.size() * 2 > slots_.size()) grow();
+    return number;
+  }
+  const std::vector<std::uint64_t>& keys() const { return keys_; }
+
+ private:
+  static constexpr std::uint32_t kEmpty = 0xffffffffu;
+  struct Slot {
+    std::uint64_t key = 0;
+    std::uint32_t number = kEmpty;
+  };
+  Slot& find(std::uint64_t key) {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t at = hash(key) & mask;
+    while (slots_[at].number != kEmpty && slots_[at].key != key) at = (at + 1) & mask;
+    return slots_[at];
+  }
+  void grow() {
+    slots_.assign(slots_.size() * 4, Slot());
+    for (std::size_t i = 0; i < keys_.size(); ++i) find(keys_[i]) = {keys_[i], static_cast<std::uint32_t>(i)};
+  }
+
+  std::vector<Slot> slots_;
+  std::vector<std::uint64_t> keys_;
+};
+
+std::uint64_t morton_of(std::uint64_t key) {
+  const auto coordinate = [&](int shift) {
+    return static_cast<std::int32_t>((key >> shift) & 0x1fffff) - (1 << 20);
+  };
+  return morton_key(coordinate(42), coordinate(21), coordinate(0));
+}
+
+/// Sums over a voxel; points count from the first one, so that floats far from the origin stay precise.
+struct VoxelSum {
+  Eigen::Vector3f first = Eigen::Vector3f::Zero(), offsets = Eigen::Vector3f::Zero(),
+                  normals = Eigen::Vector3f::Zero();
+  float count = 0;
+};
+
 template <typename IndexAt>
 std::vector<std::uint32_t> thin(const PointCloud& cloud, std::size_t n, float size, const IndexAt& index_at) {
   if (!(size > 0)) throw std::invalid_argument("thin_by_voxel: the voxel size must be above 0");
@@ -155,6 +206,45 @@ std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, float voxel) {
 std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, const std::vector<std::uint32_t>& subset,
                                          float voxel) {
   return thin(cloud, subset.size(), voxel, [&](std::size_t i) { return subset[i]; });
+}
+
+PointCloud average_by_voxel(const PointCloud& cloud, float size) {
+  if (!(size > 0)) throw std::invalid_argument("average_by_voxel: the voxel size must be above 0");
+  const float inverse_size = 1.0f / size;
+  const bool normals = cloud.has_normals();
+  VoxelNumbers voxels;
+  std::vector<VoxelSum> sums;
+  Voxel voxel{};
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!locate(cloud.x[i], cloud.y[i], cloud.z[i], inverse_size, &voxel)) continue;
+    const std::uint32_t number = voxels.number(pack(voxel));
+    if (number == sums.size()) {
+      sums.emplace_back();
+      sums.back().first = cloud.point(i);
+    }
+    VoxelSum& sum = sums[number];
+    sum.offsets += cloud.point(i) - sum.first;
+    sum.count += 1;
+    if (normals && cloud.normal(i).allFinite())
+      sum.normals +=
+          sum.normals.dot(cloud.normal(i)) < 0 ? Eigen::Vector3f(-cloud.normal(i)) : cloud.normal(i);
+  }
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(sums.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    order[i] = {morton_of(voxels.keys()[i]), static_cast<std::uint32_t>(i)};
+  std::sort(order.begin(), order.end());
+  PointCloud result;
+  result.reserve(order.size());
+  for (const auto& entry : order) {
+    const VoxelSum& sum = sums[entry.second];
+    result.push_back(sum.first + sum.offsets / sum.count);
+    if (!normals) continue;
+    const Eigen::Vector3f normal = sum.normals.normalized();
+    result.nx.push_back(normal.x());
+    result.ny.push_back(normal.y());
+    result.nz.push_back(normal.z());
+  }
+  return result;
 }
 
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& indices) {

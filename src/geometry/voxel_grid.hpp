@@ -23,6 +23,12 @@ std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, float voxel);
 std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, const std::vector<std::uint32_t>& subset,
                                          float voxel);
 
+/// One point a voxel: the mean of the points in it, and the mean of their normals (of those that are finite;
+/// opposite signs count as one direction; zero where there is none), in Morton order of the voxels. Noise
+/// averages out, as far as a voxel holds several points. Other attributes are dropped; points are left out as
+/// in thin_by_voxel(). The order of the points matters to the last bits only.
+PointCloud average_by_voxel(const PointCloud& cloud, float voxel);
+
 /// The points at `indices`, with every attribute that the cloud has.
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& indices);
 

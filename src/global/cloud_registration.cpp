@@ -44,9 +44,14 @@ Pose level_fit(const PairSums& sums) {
   return pose;
 }
 
-/// The shortest turn that makes `up` vertical.
-Eigen::Matrix3d levelling(const Eigen::Vector3d& up) {
+Eigen::Matrix3d level_of(const Eigen::Vector3d& up) {
   return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+}
+
+/// The same with the targets turned.
+Matches turned(Matches matches, const Eigen::Matrix3d& rotation) {
+  for (Match& match : matches) match.q = rotation * match.q;
+  return matches;
 }
 
 PointCloud turned(const PointCloud& cloud, const Eigen::Matrix3d& rotation) {
@@ -132,10 +137,13 @@ class Registrar {
   CloudRegistration run();
 
  private:
+  CloudRegistration propose();
   void attempt(const CloudDescription& source, const CloudDescription& target);
   MatchRegistration search(const Matches& matches, bool runner_up) const;
+  void merge(const MatchRegistration& loser, MatchRegistration* best) const;
   void look_for_more(Matches matches);
   Pose middle_pose(Pose pose);
+  void compare_clouds(Hypothesis* hypothesis);
   void add_hypothesis(const Pose& pose, int consensus);
   Pose refined(const Pose& start, std::uint32_t* degenerate_axes);
   void account(const MatchRegistration& search) {
@@ -156,7 +164,6 @@ class Registrar {
   CloudRegistration result_;
 };
 
-/// The best over the directions that may be up, and the best of the others that is elsewhere.
 MatchRegistration Registrar::search(const Matches& matches, bool runner_up) const {
   MatchRegistrationOptions search;
   search.epsilon = result_.epsilon;
@@ -169,30 +176,30 @@ MatchRegistration Registrar::search(const Matches& matches, bool runner_up) cons
   if (options_.target_ups.empty()) return register_matches(matches, search);
   MatchRegistration best;
   for (const Eigen::Vector3d& up : options_.target_ups) {
-    const Eigen::Matrix3d level = levelling(up);
-    Matches levelled = matches;
-    for (Match& match : levelled) match.q = level * match.q;
+    const Eigen::Matrix3d level = level_of(up);
     search.at_least = std::max(kFewestMatches, static_cast<int>(std::ceil(best.consensus / kClearMargin)));
-    MatchRegistration found = register_matches(levelled, search);
+    MatchRegistration found = register_matches(turned(matches, level), search);
     for (Pose* pose : {&found.target_from_source, &found.runner_up}) *pose = level.transpose() * *pose;
-    const std::size_t nodes = best.nodes + found.nodes;
-    const double pruning_ms = best.pruning_ms + found.pruning_ms,
-                 search_ms = best.search_ms + found.search_ms;
     if (found.consensus > best.consensus) std::swap(found, best);
-    // What the loser leaves open, and where it would rather be.
-    best.upper_bound = std::max(best.upper_bound, found.upper_bound);
-    best.certified = best.consensus > 0 && best.upper_bound == best.consensus;
-    if (found.consensus > best.runner_up_consensus &&
-        separation(found.target_from_source, best.target_from_source, centre_, result_.epsilon) >= 1) {
-      best.runner_up = found.target_from_source;
-      best.runner_up_consensus = found.consensus;
-      best.runner_up_bound = std::max(best.runner_up_bound, found.upper_bound);
-    }
-    best.nodes = nodes;
-    best.pruning_ms = pruning_ms;
-    best.search_ms = search_ms;
+    merge(found, &best);
   }
   return best;
+}
+
+/// What the loser leaves open, where it would rather be, and what it took.
+void Registrar::merge(const MatchRegistration& loser, MatchRegistration* best) const {
+  best->upper_bound = std::max(best->upper_bound, loser.upper_bound);
+  best->certified = best->consensus > 0 && best->upper_bound == best->consensus;
+  if (loser.consensus > best->runner_up_consensus &&
+      separation(loser.target_from_source, best->target_from_source, centre_, result_.epsilon) >= 1) {
+    best->runner_up = loser.target_from_source;
+    best->runner_up_consensus = loser.consensus;
+    best->runner_up_bound = std::max(best->runner_up_bound, loser.upper_bound);
+  }
+  best->nodes += loser.nodes;
+  best->pruning_ms += loser.pruning_ms;
+  best->search_ms += loser.search_ms;
+  best->runner_up_ms += loser.runner_up_ms;
 }
 
 /// Keeps the start when the clouds would carry the pose away from it: that is no refinement.
@@ -218,8 +225,8 @@ Pose Registrar::refined(const Pose& start, std::uint32_t* degenerate_axes) {
 /// search with tell the right ones: those that agree with it. They count less the farther off they are
 /// (Welsch's weights), for what is within epsilon by chance is anywhere there.
 Pose Registrar::middle_pose(Pose pose) {
-  const Eigen::Matrix3d level = levelling(pose.linear().col(2));
   if (guided_matches_.empty()) guided_matches_ = match(source_, target_, kGuidedLambda);
+  const Eigen::Matrix3d level = level_of(pose.linear().col(2));
   for (int round = 0; round < kRounds; ++round) {
     const double scale = std::max(kCrowd, 1.0 - kCrowd * round) * result_.epsilon;
     PairSums sums;
@@ -244,18 +251,22 @@ void Registrar::add_hypothesis(const Pose& pose, int consensus) {
   hypothesis.consensus = consensus;
   hypothesis.start = hypothesis.refined = middle_pose(pose);
   result_.matching_ms += clock.lap();
-  if (!source_check_) source_check_.emplace(source_.points, source_.voxel);
-  if (!target_check_) target_check_.emplace(target_.points, target_.voxel);
-  hypothesis.fit = compare(*source_check_, *target_check_, hypothesis.start);
-  if (hypothesis.fit.contradiction < kHopeless || hypotheses_.empty()) {
-    hypothesis.refined = refined(hypothesis.start, &hypothesis.degenerate_axes);
-    hypothesis.fit = compare(*source_check_, *target_check_, hypothesis.refined);
-  }
+  if (options_.judged) compare_clouds(&hypothesis);
   result_.refinement_ms += clock.lap();
   const bool known = std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& other) {
     return separation(other.refined, hypothesis.refined, centre_, result_.epsilon) < 0.5;
   });
   if (!known) hypotheses_.push_back(hypothesis);
+}
+
+void Registrar::compare_clouds(Hypothesis* hypothesis) {
+  if (!source_check_) source_check_.emplace(source_.points, source_.voxel);
+  if (!target_check_) target_check_.emplace(target_.points, target_.voxel);
+  hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->start);
+  if (hypothesis->fit.contradiction < kHopeless || hypotheses_.empty()) {
+    hypothesis->refined = refined(hypothesis->start, &hypothesis->degenerate_axes);
+    hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->refined);
+  }
 }
 
 /// Where matches are ambiguous the right pose need not have the most of them. Takes those of the poses found
@@ -300,10 +311,13 @@ void Registrar::attempt(const CloudDescription& source, const CloudDescription& 
 std::string Registrar::numbers() const {
   const MatchRegistration& s = result_.solution;
   char text[200];
-  std::snprintf(text, sizeof text,
-                "%d of %zu matches agree, next %d; %.0f %% of the surfaces overlap, %.1f %% contradict",
-                s.consensus, s.matches, s.runner_up_consensus, 100 * result_.fit.overlap,
-                100 * result_.fit.contradiction);
+  int length = std::snprintf(text, sizeof text, "%d of %zu matches agree, next %d", s.consensus, s.matches,
+                             s.runner_up_consensus);
+  if (options_.judged) {
+    std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
+                  "; %.0f %% of the surfaces overlap, %.1f %% contradict", 100 * result_.fit.overlap,
+                  100 * result_.fit.contradiction);
+  }
   return text;
 }
 
@@ -325,8 +339,10 @@ void Registrar::judge() {
   result_.largest_consensus = first;
   bool rival = false;
   result_.rival_fit = CloudFit{};
+  result_.rivals.clear();
   for (const Hypothesis& h : hypotheses_) {
     if (&h == &*best) continue;
+    result_.rivals.push_back(h.refined);
     if (score(h.fit) > score(result_.rival_fit)) result_.rival_fit = h.fit;
     rival = rival || !clearly_worse(h.fit, best->fit);
   }
@@ -351,7 +367,29 @@ void Registrar::judge() {
   }
 }
 
+/// The poses that the matches propose, in the order of their consensus.
+CloudRegistration Registrar::propose() {
+  const Matches matches = match(source_, target_, options_.lambda);
+  result_.solution = search(matches, true);
+  account(result_.solution);
+  result_.attempts = 1;
+  result_.why = numbers();
+  if (result_.solution.consensus < kFewestMatches) return result_;
+  add_hypothesis(result_.solution.target_from_source, result_.solution.consensus);
+  if (result_.solution.runner_up_consensus >= kFewestMatches)
+    add_hypothesis(result_.solution.runner_up, result_.solution.runner_up_consensus);
+  look_for_more(matches);
+  result_.start = result_.target_from_source = hypotheses_.front().start;
+  for (std::size_t k = 1; k < hypotheses_.size(); ++k) result_.rivals.push_back(hypotheses_[k].start);
+  const MatchRegistration& s = result_.solution;
+  result_.verdict = !s.certified                                     ? GlobalVerdict::kUncertified
+                    : s.consensus < kClearMargin * s.runner_up_bound ? GlobalVerdict::kAmbiguous
+                                                                     : GlobalVerdict::kCertain;
+  return result_;
+}
+
 CloudRegistration Registrar::run() {
+  if (!options_.judged) return propose();
   for (int round = 0; round < options_.attempts; ++round) {
     if (round == 0 && source_.keypoints.size() > kManyKeypoints) {
       attempt(part(source_, 2), part(target_, 2));
@@ -400,7 +438,7 @@ CloudRegistration register_raw_clouds(const PointCloud& source, const PointCloud
                                       const CloudRegistrationOptions& options, DescriptionTiming* timing) {
   if (!up.allFinite() || !(up.norm() > 0))
     throw std::invalid_argument("register_raw_clouds: up must be finite and not 0 0 0");
-  const Eigen::Matrix3d level = levelling(up);
+  const Eigen::Matrix3d level = level_of(up);
   const bool level_already = level.isIdentity(1e-12);
   DescriptionOptions common = description;
   if (!(common.voxel > 0)) common.voxel = description_voxel(target);

@@ -31,6 +31,9 @@ struct CloudRegistrationOptions {
   /// takes on the slopes of a place. Empty: the z axis. Then at least 8 matches have to agree for any
   /// consensus.
   std::vector<Eigen::Vector3d> target_ups;
+  /// The clouds judge the poses that the matches propose. False: they are left to the caller to judge, by
+  /// means of his own; the verdict then speaks of the matches alone, and nothing is refined with the clouds.
+  bool judged = true;
   int lambda = 3;
   int attempts = 3;                 ///< match sets that are drawn at most
   std::size_t max_nodes = 200'000;  ///< of each search; ends it without a certificate
@@ -44,6 +47,7 @@ struct CloudRegistration {
   GlobalVerdict verdict = GlobalVerdict::kNoOverlap;
   std::string why;                    ///< a sentence for people
   CloudFit fit, rival_fit;            ///< of the pose, and of the best of the others looked at
+  std::vector<Pose> rivals;           ///< the others looked at, refined
   bool largest_consensus = true;      ///< false: the clouds refute that one, and confirm this pose
   std::uint32_t degenerate_axes = 0;  ///< of the refinement
   double epsilon = 0;                 ///< metres, as used

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "geometry/voxel_grid.hpp"
 #include "icp/cloud_covariance.hpp"
@@ -17,9 +18,11 @@ namespace {
 constexpr double kNuMaxOfMedian = 3.0;  // section 4.3
 constexpr double kNuFactor = 0.5;
 constexpr double kTolerance = 1e-5;  // of the diagonal
-constexpr std::size_t kApproachPoints = 1024;
-constexpr double kApproachTolerance = 0.05;  // of nu
-constexpr double kApproachEnd = 2.0;         // spacings
+constexpr std::size_t kApproachPoints = 512, kEvenPoints = 1024, kSpreadFrom = 12000;
+constexpr double kFirstSpread = 0.005, kSpreadStep = 1.4;  // of the diagonal
+constexpr double kJudgeShare = 0.33, kJudgeSpacings = 2.0, kMostlyOff = 0.5;
+constexpr double kApproachTolerance = 0.02;  // of nu
+constexpr double kApproachEnd = 0.7;         // spacings
 constexpr std::size_t kMedianPoints = 2048;
 constexpr double kInlierSpacings = 2.0;
 constexpr double kGateMargin = 2.0;   // spacings, on top of the reach of nu, for distances within planes
@@ -35,7 +38,7 @@ struct Effort {
   std::size_t least_points;
 };
 constexpr Effort kPointEffort = {0.001, 0.003, 1.0, 1024};
-constexpr Effort kPlaneEffort = {0.1, 0.1, 1.0, 1024};
+constexpr Effort kPlaneEffort = {0.02, 0.1, 1.0, 1024};
 
 /// Every n-th point, so that about `count` are left.
 PointCloud thinned(const PointCloud& points, std::size_t count) {
@@ -45,16 +48,33 @@ PointCloud thinned(const PointCloud& points, std::size_t count) {
   return select(points, indices);
 }
 
-/// Of the absolute values of those that are not NaN.
-double median(const std::vector<float>& numbers) {
-  std::vector<float> values;
-  for (float v : numbers) {
-    if (!std::isnan(v)) values.push_back(std::abs(v));
+/// Points in an order in which the first n / 2^k of them are spread over the whole cloud, for every k, and
+/// neighbours stay together within each such part.
+PointCloud in_level_order(const PointCloud& points) {
+  const std::size_t n = points.size();
+  std::size_t stride = 1;
+  while (2 * stride < n) stride *= 2;
+  std::vector<std::uint32_t> indices;
+  indices.reserve(n);
+  for (std::size_t i = 0; i < n; i += stride) indices.push_back(static_cast<std::uint32_t>(i));
+  for (; stride > 1; stride /= 2) {
+    for (std::size_t i = stride / 2; i < n; i += stride) indices.push_back(static_cast<std::uint32_t>(i));
   }
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return select(points, indices);
+}
+
+/// Points about equally far apart, `count` to twice as many where there are so many.
+PointCloud spread_out(const PointCloud& points, double diagonal, std::size_t count) {
+  PointCloud result = thinned(points, kSpreadFrom);
+  result.nx.clear();
+  result.ny.clear();
+  result.nz.clear();
+  for (double voxel = kFirstSpread * diagonal; result.size() > 2 * count && voxel > 0; voxel *= kSpreadStep) {
+    PointCloud next = select(result, thin_by_voxel(result, static_cast<float>(voxel)));
+    if (next.size() < count / 2) break;  // a few far clusters, which no voxel spreads out
+    result = std::move(next);
+  }
+  return result;
 }
 
 class CloudAligner {
@@ -73,19 +93,31 @@ class CloudAligner {
       tree.rebuild(source_.points);
       estimate_normals(&source_.points, tree, CloudTarget::kNormalNeighbours, options.threads);
     }
+    source_.points = in_level_order(source_.points);
     setup_ = {method.objective, method.coordinates, method.robust, options.threads};
     effort_ = method.objective == IcpObjective::kPoint ? kPointEffort : kPlaneEffort;
     tolerance_ = options.tolerance > 0 ? options.tolerance : kTolerance * target.diagonal();
   }
 
   CloudAlignment run(const Pose& start) {
-    Pose pose = shift(-target_.centre()) * start * shift(source_.centre);
+    Pose pose = centred_pose(start);
     pose = method_.robust ? solve_robust(pose) : solve_squares(pose);
     result_.target_from_source = renormalised(shift(target_.centre()) * pose * shift(-source_.centre));
     return result_;
   }
 
+  double misfit(const Pose& guess) const {
+    CloudProblem problem(source_.points, target_, setup_);
+    const Pose pose = centred_pose(guess);
+    problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
+    return problem.median_residual(kMedianPoints);
+  }
+
  private:
+  Pose centred_pose(const Pose& pose) const {
+    return shift(-target_.centre()) * pose * shift(source_.centre);
+  }
+
   static Pose shift(const Eigen::Vector3d& by) {
     Pose pose = Pose::Identity();
     pose.translation() = by;
@@ -101,9 +133,9 @@ class CloudAligner {
   /// is below rounding there. A plane reaches farther than the surface it stands for, so a point far away can
   /// lie on it by chance (the authors' code lets it, and slides along some scenes); the gate closes as nu
   /// does.
-  double gate(double nu) const {
+  double gate(double nu, double first_nu) const {
     if (method_.objective == IcpObjective::kPoint) return kWelschReach * nu;
-    return std::max(first_gate_ * nu / result_.nu_max, 3.0 * nu + kGateMargin * target_.spacing());
+    return std::max(first_gate_ * nu / first_nu, 3.0 * nu + kGateMargin * target_.spacing());
   }
 
   void account(const DescentResult& level) {
@@ -120,54 +152,97 @@ class CloudAligner {
     descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 1000;
     descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : 6;
     descent.tolerance = tolerance_;
+    report_progress(&descent, 0.0, 1.0);
     account(descend(problem, problem.begin(start, 1.0, 2.0 * everything(start)), descent));
     finish(problem);
     return problem.pose();
   }
 
-  /// Distances to planes have a narrow basin: from far away they settle on a wrong alignment where distances
-  /// to points still find the right one. So these go first, over few points and down to a nu where planes
-  /// take over.
-  Pose approach(Pose pose) {
-    const PointCloud some = thinned(source_.points, kApproachPoints);
+  /// A descent that takes the share of the work from `begin` to `end` tells how far it has come: steps shrink
+  /// by about the same factor each time.
+  void report_progress(DescentOptions* descent, double begin, double end) const {
+    if (!options_.progress) return;
+    descent->step_length = [=, &report = options_.progress, tolerance = descent->tolerance,
+                            first = 0.0](double step) mutable {
+      first = std::max(first, step);
+      const double share = step > tolerance ? std::log(first / step) / std::log(first / tolerance) : 1.0;
+      report(begin + (end - begin) * std::clamp(share, 0.0, 1.0));
+    };
+  }
+
+  /// The first levels need few points, but equally far apart: rows and rings of a scan, dense near the
+  /// sensor, hold on to those of the other. They go by distances to points, whose basin is wide, down to a nu
+  /// where the method itself takes over. Where most of the points then still lie off the target (little
+  /// overlap, or clutter that fills the room and outweighs the surfaces), points chosen evenly over the
+  /// source have a try too, and the better one goes on.
+  Pose approach(const Pose& start) {
+    const CloudTarget coarse(spread_out(target_.points(), target_.diagonal(), 2 * kApproachPoints));
+    const PointCloud apart = spread_out(source_.points, source_.diagonal, kApproachPoints);
     CloudProblem::Setup setup = setup_;
     setup.objective = IcpObjective::kPoint;
-    CloudProblem problem(some, target_, setup);
-    problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
-    double nu = kNuMaxOfMedian * median(problem.residuals());
+    CloudProblem problem(apart, coarse, setup), judge(apart, target_, setup);
+    const Pose shifted = shift(-coarse.centre()) * start;
+    const double last_nu = kApproachEnd * coarse.spacing();
+    const Pose one =
+        shift(coarse.centre()) * descend_levels(shifted, first_nu(shifted, &problem), last_nu, &problem);
+    count_searches(problem);
+    const double nu = std::max(kJudgeShare * last_nu, kJudgeSpacings * target_.spacing());
+    const auto off = [nu](CloudProblem& of, const Pose& pose) {
+      return of.evaluate(of.begin(pose, nu, kWelschReach * nu)) / static_cast<double>(of.used());
+    };
+    const double one_off = off(judge, one);
+    if (one_off < kMostlyOff) return one;
+    const PointCloud evenly = thinned(source_.points, kEvenPoints);
+    CloudProblem second(evenly, target_, setup);
+    const Pose two = descend_levels(start, first_nu(start, &second), nu, &second);
+    const bool better = off(judge, two) + off(second, two) < one_off + off(second, one);
+    count_searches(judge);
+    count_searches(second);
+    return better ? two : one;
+  }
+
+  /// Section 4.3.
+  double first_nu(const Pose& pose, CloudProblem* problem) const {
+    problem->evaluate(problem->begin(pose, 1.0, 2.0 * everything(pose)));
+    return kNuMaxOfMedian * problem->median_residual(kMedianPoints);
+  }
+
+  Pose descend_levels(Pose pose, double nu, double last_nu, CloudProblem* problem) {
+    result_.nu_max = std::max(result_.nu_max, nu);
     DescentOptions descent;
     descent.max_iterations = 100;
     descent.max_line_search_steps = 0;
-    for (; nu > kApproachEnd * target_.spacing(); nu *= kNuFactor) {
+    for (; nu > last_nu; nu *= kNuFactor) {
       descent.tolerance = kApproachTolerance * nu;
-      account(descend(problem, problem.begin(pose, nu, kWelschReach * nu), descent));
-      pose = problem.pose();
+      account(descend(*problem, problem->begin(pose, nu, kWelschReach * nu), descent));
+      pose = problem->pose();
     }
-    count_searches(problem);
     return pose;
   }
 
   Pose solve_robust(Pose pose) {
-    if (method_.objective != IcpObjective::kPoint && !options_.thorough) pose = approach(pose);
-    choose_nu(pose);
+    if (!options_.thorough && !(options_.nu_max > 0)) pose = approach(pose);
+    CloudProblem problem(source_.points, target_, setup_);
+    const double first_nu = choose_nu(pose, &problem);
     DescentOptions descent;
     descent.anderson_window = method_.accelerated ? AndersonAcceleration::kMaxWindow : 0;
     descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 100;
     descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : 6;
     const double last_tolerance = std::min(tolerance_, effort_.last_tolerance * result_.nu_min);
-    double nu = result_.nu_max;
-    for (; nu > result_.nu_min; nu *= kNuFactor) {
-      const PointCloud some = options_.thorough ? source_.points : thinned(source_.points, points_for(nu));
-      CloudProblem upper(some, target_, setup_);
+    const double levels = 1.0 + std::max(0.0, std::ceil(std::log2(first_nu / result_.nu_min)));
+    double level = 0;
+    for (double nu = first_nu; nu > result_.nu_min; nu *= kNuFactor, ++level) {
+      problem.use_first(options_.thorough ? source_.points.size() : points_for(nu));
       descent.tolerance =
           options_.thorough ? last_tolerance : std::max(last_tolerance, effort_.upper_tolerance * nu);
-      account(descend(upper, upper.begin(pose, nu, gate(nu)), descent));
-      pose = upper.pose();
-      count_searches(upper);
+      report_progress(&descent, level / levels, (level + 1) / levels);
+      account(descend(problem, problem.begin(pose, nu, gate(nu, first_nu)), descent));
+      pose = problem.pose();
     }
-    CloudProblem problem(source_.points, target_, setup_);
+    problem.use_first(source_.points.size());
     descent.tolerance = last_tolerance;
-    account(descend(problem, problem.begin(pose, result_.nu_min, gate(result_.nu_min)), descent));
+    report_progress(&descent, level / levels, 1.0);
+    account(descend(problem, problem.begin(pose, result_.nu_min, gate(result_.nu_min, first_nu)), descent));
     finish(problem);
     return problem.pose();
   }
@@ -175,26 +250,34 @@ class CloudAligner {
   /// The upper levels only have to bring the lower ones into their basin: each gets half as many points as
   /// the next.
   std::size_t points_for(double nu) const {
-    const double points =
-        effort_.upper_share * static_cast<double>(source_.points.size()) * result_.nu_min / nu;
-    return std::max(effort_.least_points, static_cast<std::size_t>(points));
+    const double wanted =
+        std::max(static_cast<double>(effort_.least_points),
+                 effort_.upper_share * static_cast<double>(source_.points.size()) * result_.nu_min / nu);
+    std::size_t stride = 1;
+    while (static_cast<double>(source_.points.size()) / static_cast<double>(2 * stride) >= wanted)
+      stride *= 2;
+    return (source_.points.size() + stride - 1) / stride;
   }
 
-  void choose_nu(const Pose& pose) {
+  /// Returns the first nu of the method's own levels.
+  double choose_nu(const Pose& pose, CloudProblem* problem) {
     const bool point = method_.objective == IcpObjective::kPoint;
     result_.nu_min = options_.nu_min > 0 ? options_.nu_min
                      : point             ? target_.point_nu_min()
                                          : target_.plane_nu_min();
-    result_.nu_max = options_.nu_max;
-    if (!(result_.nu_max > 0)) {
-      const PointCloud some = thinned(source_.points, kMedianPoints);
-      CloudProblem problem(some, target_, setup_);
-      problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
-      first_gate_ = kFirstGate * std::sqrt(median(problem.squared_distances()));
-      result_.nu_max = kNuMaxOfMedian * median(problem.residuals());
-      count_searches(problem);
+    // The normals of a thinned cloud are good to its spacing; the paper's rule for planes asks more of them.
+    if (options_.voxel > 0 && !(options_.nu_min > 0))
+      result_.nu_min = std::max(result_.nu_min, target_.point_nu_min());
+    double first_nu = options_.nu_max;
+    if (!(first_nu > 0)) {
+      problem->use_first(std::min(source_.points.size(), kMedianPoints));
+      problem->evaluate(problem->begin(pose, 1.0, 2.0 * everything(pose)));
+      first_gate_ = kFirstGate * problem->median_distance(kMedianPoints);
+      first_nu = kNuMaxOfMedian * problem->median_residual(kMedianPoints);
     }
-    result_.nu_max = std::max(result_.nu_max, result_.nu_min);
+    first_nu = std::max(first_nu, result_.nu_min);
+    result_.nu_max = std::max(result_.nu_max, first_nu);
+    return first_nu;
   }
 
   void count_searches(const CloudProblem& problem) {
@@ -206,12 +289,12 @@ class CloudAligner {
   void finish(const CloudProblem& problem) {
     count_searches(problem);
     const double gate = kInlierSpacings * std::max(target_.spacing(), 3.0 * result_.nu_min);
-    const auto& squared = problem.squared_distances();
-    const auto inliers =
-        std::count_if(squared.begin(), squared.end(), [&](float d) { return d <= gate * gate; });
+    std::size_t inliers = 0;
+    for (std::size_t i = 0; i < source_.points.size(); ++i)
+      inliers += problem.pair(i).squared_distance <= gate * gate ? 1 : 0;
     result_.inlier_ratio = static_cast<double>(inliers) / static_cast<double>(source_.points.size());
     // Rings and rows make the spacing much smaller than the distance of honest pairs: those are asked, too.
-    const double honest = std::max(gate, kHonestPairs * std::sqrt(static_cast<double>(median(squared))));
+    const double honest = std::max(gate, kHonestPairs * problem.median_distance(source_.points.size()));
     // Distances to points use planes less well than distances to planes: as if nu were below the noise.
     const double planes_nu = method_.robust ? result_.nu_min : 0.0;
     const AlignmentCertainty certainty =
@@ -267,6 +350,10 @@ std::vector<std::string> cloud_method_names() {
 CloudAlignment align_clouds(const PointCloud& source, const CloudTarget& target, const Pose& start,
                             const CloudMethod& method, const CloudAlignmentOptions& options) {
   return CloudAligner(source, target, method, options).run(start);
+}
+
+double misfit(const PointCloud& source, const CloudTarget& target, const Pose& guess) {
+  return CloudAligner(thinned(source, kMedianPoints), target, {IcpObjective::kPoint}, {}).misfit(guess);
 }
 
 }  // namespace scanlock

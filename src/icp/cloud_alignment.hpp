@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,8 +35,10 @@ struct CloudAlignmentOptions {
   int max_iterations = 0;  ///< a level; 0: 1000 without a robust function, 100 with one
   double tolerance = 0;   ///< metres of motion of a typical point; 0: 1e-5 of the target's diagonal, and less
                           ///< for a small nu_min
+  double voxel = 0;       ///< metres that both clouds were thinned to; 0: they are whole
   bool thorough = false;  ///< all points and the final tolerance at every nu, as in the paper
   int threads = 1;        ///< does not change the result
+  std::function<void(double)> progress;  ///< called now and then with the share that is done, 0 to 1
 };
 
 struct CloudAlignment {
@@ -58,5 +61,9 @@ struct CloudAlignment {
 /// degenerate_axes, and along them the guess. Reproducible: one and the same result on any number of threads.
 CloudAlignment align_clouds(const PointCloud& source, const CloudTarget& target, const Pose& start,
                             const CloudMethod& method, const CloudAlignmentOptions& options = {});
+
+/// Median distance, metres, of the moved source to the target, over a sample of points: which of two guesses
+/// is the better one. Throws as align_clouds() does.
+double misfit(const PointCloud& source, const CloudTarget& target, const Pose& guess);
 
 }  // namespace scanlock

@@ -2,18 +2,23 @@
 // SPDX-License-Identifier: MIT
 #include "icp/cloud_covariance.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "geometry/voxel_grid.hpp"
 #include "icp/local_surfaces.hpp"
 #include "icp/welsch.hpp"
 
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kSamples = 8192;
+// Normals that have to be fitted first cost more.
+constexpr std::size_t kSamples = 4096, kSamplesToFit = 2048;
 constexpr double kSigmaOfMedian = 1.4826;  // of a normal distribution
 constexpr double kReach = 3.0;             // sigmas
 constexpr double kRadius = 5.0;            // spacings; for normals of targets that have none
@@ -21,11 +26,14 @@ constexpr double kRadius = 5.0;            // spacings; for normals of targets t
 // known truth.
 constexpr double kInflation = 4.0;
 constexpr double kLeastSlope = 0.02;
+// Sizes of the neighbourhoods whose errors may be one error, of the cloud's rms radius.
+constexpr double kNeighbourhoods[] = {1.0 / 32, 1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2};
 // A motion that nothing observes is as uncertain as this: the scene's size, half a turn.
 constexpr double kOpenRotation = 3.14159265358979;
 
 struct PlanePair {
   Vector6 j;  // of the residual by xi, source centred
+  Eigen::Vector3d p;
   double residual;
   std::int32_t target;
 };
@@ -33,8 +41,8 @@ struct PlanePair {
 std::vector<PlanePair> plane_pairs(const PointCloud& source, const CloudTarget& target,
                                    const CloudProblem& problem, double gate) {
   std::vector<PlanePair> pairs;
-  const std::size_t stride = std::max<std::size_t>(1, source.size() / kSamples);
-  const std::vector<std::int32_t>& indices = problem.correspondences().indices();
+  const std::size_t samples = target.normals_ready() ? kSamples : kSamplesToFit;
+  const std::size_t stride = std::max<std::size_t>(1, source.size() / samples);
   const Pose& pose = problem.pose();
   LocalSurfaces surfaces;
   const PointCloud& to = target.points();
@@ -42,20 +50,22 @@ std::vector<PlanePair> plane_pairs(const PointCloud& source, const CloudTarget& 
     surfaces.reset(to, target.tree(),
                    static_cast<float>(kRadius * std::max(target.spacing(), 1e-6 * target.diagonal())));
     std::vector<std::int32_t> wanted;
-    for (std::size_t i = 0; i < source.size(); i += stride) wanted.push_back(indices[i]);
+    for (std::size_t i = 0; i < source.size(); i += stride) wanted.push_back(problem.pair(i).target);
     surfaces.prepare(wanted, 1);
   }
   for (std::size_t i = 0; i < source.size(); i += stride) {
-    if (indices[i] < 0 || !(problem.squared_distances()[i] <= gate * gate)) continue;
-    const std::size_t q = static_cast<std::size_t>(indices[i]);
-    const Eigen::Vector3f normal = target.normals_ready() ? to.normal(q) : surfaces.at(indices[i]).normal;
+    const CloudProblem::Pair found = problem.pair(i);
+    if (found.target < 0 || !(found.squared_distance <= gate * gate)) continue;
+    const std::size_t q = static_cast<std::size_t>(found.target);
+    const Eigen::Vector3f normal = target.normals_ready() ? to.normal(q) : surfaces.at(found.target).normal;
     if (normal.isZero(0)) continue;
     const Eigen::Vector3d p = source.point(i).cast<double>(), n = normal.cast<double>();
     const Eigen::Vector3d body_normal = pose.linear().transpose() * n;
     PlanePair pair;
     pair.j << body_normal, p.cross(body_normal);
+    pair.p = p;
     pair.residual = n.dot(pose * p - to.point(q).cast<double>());
-    pair.target = indices[i];
+    pair.target = found.target;
     pairs.push_back(pair);
   }
   return pairs;
@@ -92,6 +102,39 @@ double sharing(const std::vector<PlanePair>& pairs) {
   return 0.5 * (1.0 + static_cast<double>(pairs.size()) / static_cast<double>(distinct));
 }
 
+/// By how much errors that neighbours share inflate the variance. Over neighbourhoods of one size the sums of
+/// the gradients spread as much as independent errors would have them, or more; of several sizes the worst
+/// counts (small ones miss what reaches farther, and very large ones see nothing: over all pairs the sum is
+/// 0).
+double correlation(const std::vector<PlanePair>& pairs, const Matrix6& information, double nu) {
+  double radius = 0, independent = 0, worst = 1;
+  for (const PlanePair& pair : pairs) radius += pair.p.squaredNorm();
+  radius = std::sqrt(radius / static_cast<double>(pairs.size()));
+  const Eigen::LDLT<Matrix6> solver(information);
+  const auto gradient = [&](const PlanePair& pair) -> Vector6 {
+    const double s = pair.residual * pair.residual;
+    return (nu > 0 ? welsch_weight(s, nu) : 1.0) * pair.residual * pair.j;
+  };
+  for (const PlanePair& pair : pairs) independent += gradient(pair).dot(solver.solve(gradient(pair)));
+  if (!(radius > 0 && independent > 0)) return worst;
+  std::vector<std::pair<std::uint64_t, std::size_t>> order(pairs.size());
+  for (const double share : kNeighbourhoods) {
+    const auto cell = [&](double v) { return static_cast<std::int32_t>(std::floor(v / (share * radius))); };
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      order[i] = {morton_key(cell(pairs[i].p.x()), cell(pairs[i].p.y()), cell(pairs[i].p.z())), i};
+    std::sort(order.begin(), order.end());
+    double together = 0;
+    for (std::size_t i = 0; i < order.size();) {
+      Vector6 sum = Vector6::Zero();
+      const std::uint64_t key = order[i].first;
+      for (; i < order.size() && order[i].first == key; ++i) sum += gradient(pairs[order[i].second]);
+      together += sum.dot(solver.solve(sum));
+    }
+    worst = std::max(worst, together / independent);
+  }
+  return worst;
+}
+
 }  // namespace
 
 AlignmentCertainty alignment_certainty(const PointCloud& source, const CloudTarget& target,
@@ -108,9 +151,9 @@ AlignmentCertainty alignment_certainty(const PointCloud& source, const CloudTarg
       information += jj;
       if (std::abs(pair.residual) <= kReach * sigma) geometry += jj;
     }
-    const double share = static_cast<double>(std::max<std::size_t>(1, source.size() / kSamples));
     const double variance = std::max(effective_variance(pairs, nu), rounding * rounding);
-    information *= share / (kInflation * variance * sharing(pairs));
+    const Matrix6 regular = information + 1e-12 * (information.trace() + 1e-300) * Matrix6::Identity();
+    information /= kInflation * variance * std::max(sharing(pairs), correlation(pairs, regular, nu));
   }
   certainty.degeneracy = find_degeneracy(geometry);
   const double open = std::max(target.diagonal(), 1e-6);

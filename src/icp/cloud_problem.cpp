@@ -3,9 +3,11 @@
 #include "icp/cloud_problem.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <vector>
 
+#include "geometry/parallel.hpp"
 #include "icp/welsch.hpp"
 
 namespace scanlock {
@@ -13,6 +15,21 @@ namespace {
 
 // Directions without information take no step, and do not spoil the others.
 constexpr double kDamping = 1e-9;
+constexpr std::size_t kChunk = 256;
+
+template <typename Value>
+double median_of(std::size_t n, std::size_t count, const Value& value) {
+  std::vector<float> values;
+  const std::size_t stride = std::max<std::size_t>(1, n / std::max<std::size_t>(1, count));
+  for (std::size_t i = 0; i < n; i += stride) {
+    const float v = value(i);
+    if (!std::isnan(v)) values.push_back(v);
+  }
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
+}
 
 }  // namespace
 
@@ -20,11 +37,14 @@ CloudProblem::CloudProblem(const PointCloud& source, const CloudTarget& target, 
     : source_(source), target_(target), setup_(setup) {
   const std::size_t n = source.size();
   correspondences_.reset(target.points(), target.tree(), n);
-  for (std::vector<float>* values : {&x_, &y_, &z_, &residuals_, &squared_distances_, &weights_})
-    values->resize(n);
+  used_ = n;
   double sum = 0;
   for (std::size_t i = 0; i < n; ++i) sum += static_cast<double>(source.point(i).squaredNorm());
   arm_ = n > 0 ? std::sqrt(sum / static_cast<double>(n)) : 0.0;
+}
+
+void CloudProblem::use_first(std::size_t n) {
+  used_ = std::min(n, source_.size());
 }
 
 StateVector CloudProblem::begin(const Pose& start, double nu, double gate) {
@@ -68,47 +88,109 @@ Eigen::Vector3f CloudProblem::pair_normal(std::size_t i, std::size_t q,
   return 0.5f * (here.dot(there) < 0 ? Eigen::Vector3f(there - here) : Eigen::Vector3f(there + here));
 }
 
-void CloudProblem::measure_pair(std::size_t i, std::size_t q, const Eigen::Matrix3f& rotation) {
-  const Eigen::Vector3f d = Eigen::Vector3f(x_[i], y_[i], z_[i]) - target_.points().point(q);
+CloudProblem::Motion CloudProblem::motion() const {
+  return {pose_.linear().cast<float>(), pose_.translation().cast<float>()};
+}
+
+Eigen::Vector3f CloudProblem::moved(std::size_t i, const Motion& by) const {
+  const float px = source_.x[i], py = source_.y[i], pz = source_.z[i];
+  const Eigen::Matrix3f& r = by.rotation;
+  return {r(0, 0) * px + r(0, 1) * py + r(0, 2) * pz + by.translation.x(),
+          r(1, 0) * px + r(1, 1) * py + r(1, 2) * pz + by.translation.y(),
+          r(2, 0) * px + r(2, 1) * py + r(2, 2) * pz + by.translation.z()};
+}
+
+CloudProblem::Pair CloudProblem::measure(std::size_t i, std::int32_t target, const Eigen::Vector3f& moved,
+                                         const Motion& by) const {
+  Pair pair;
+  pair.moved = moved;
+  if (target < 0) return pair;
+  const std::size_t q = static_cast<std::size_t>(target);
+  const Eigen::Vector3f d = moved - target_.points().point(q);
   const float squared = d.squaredNorm();
-  squared_distances_[i] = squared;
-  if (squared > static_cast<float>(gate_ * gate_)) return;
+  if (squared > static_cast<float>(gate_ * gate_)) return pair;
+  pair.target = target;
+  pair.squared_distance = squared;
   if (setup_.objective == IcpObjective::kPoint) {
-    residuals_[i] = std::sqrt(squared);
+    pair.residual = std::sqrt(squared);
   } else {
-    const Eigen::Vector3f normal = pair_normal(i, q, rotation);
-    if (normal.isZero(0)) return;
-    residuals_[i] = normal.dot(d);
+    pair.normal = pair_normal(i, q, by.rotation);
+    if (pair.normal.isZero(0)) return pair;
+    pair.residual = pair.normal.dot(d);
   }
-  const double r = residuals_[i];
-  weights_[i] = setup_.robust ? static_cast<float>(welsch_weight(r * r, nu_)) : 1.0f;
+  const double r = pair.residual;
+  pair.weight = setup_.robust ? welsch_weight(r * r, nu_) : 1.0;
+  return pair;
+}
+
+CloudProblem::Pair CloudProblem::pair(std::size_t i) const {
+  const Motion by = motion();
+  return measure(i, correspondences_.found(i), moved(i, by), by);
+}
+
+double CloudProblem::median_distance(std::size_t count) const {
+  return std::sqrt(median_of(used_, count, [&](std::size_t i) { return pair(i).squared_distance; }));
+}
+
+double CloudProblem::median_residual(std::size_t count) const {
+  return median_of(used_, count, [&](std::size_t i) { return std::abs(pair(i).residual); });
+}
+
+void CloudProblem::add_plane(const Pair& pair, Sums* sums) const {
+  const Eigen::Vector3f& n = pair.normal;
+  // Half of the rotation each on source and target: the lever is the middle between the two.
+  const Eigen::Vector3f lever =
+      setup_.objective == IcpObjective::kSymmetric
+          ? Eigen::Vector3f(0.5f *
+                            (pair.moved + target_.points().point(static_cast<std::size_t>(pair.target))))
+          : pair.moved;
+  const Eigen::Vector3f arm = lever.cross(n);
+  const double j[6] = {n.x(), n.y(), n.z(), arm.x(), arm.y(), arm.z()};
+  for (int column = 0; column < 6; ++column) {
+    const double weighted = pair.weight * j[column];
+    sums->gradient[column] += weighted * static_cast<double>(pair.residual);
+    for (int row = column; row < 6; ++row) sums->hessian(row, column) += weighted * j[row];
+  }
+}
+
+void CloudProblem::gather(std::size_t begin, std::size_t end, const Motion& by, Sums* sums) {
+  const bool point = setup_.objective == IcpObjective::kPoint;
+  const float gate = static_cast<float>(gate_);
+  for (std::size_t i = begin; i < end; ++i) {
+    const Eigen::Vector3f at = moved(i, by);
+    const Pair pair = measure(i, correspondences_.find(i, at, gate, &sums->searches), at, by);
+    if (setup_.robust) {
+      sums->energy += 1.0 - pair.weight;
+    } else if (pair.weight > 0) {
+      sums->energy += static_cast<double>(pair.residual) * pair.residual;
+    }
+    if (!(pair.weight > 0)) continue;
+    if (point) {
+      sums->points.add(pair.weight, at.cast<double>(),
+                       target_.points().point(static_cast<std::size_t>(pair.target)).cast<double>());
+    } else {
+      add_plane(pair, sums);
+    }
+  }
 }
 
 double CloudProblem::evaluate(const StateVector& state) {
   pose_ = pose_of(state);
-  const Eigen::Matrix3f rotation = pose_.linear().cast<float>();
-  const Eigen::Vector3f translation = pose_.translation().cast<float>();
-  const std::size_t n = source_.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    const float px = source_.x[i], py = source_.y[i], pz = source_.z[i];
-    x_[i] = rotation(0, 0) * px + rotation(0, 1) * py + rotation(0, 2) * pz + translation.x();
-    y_[i] = rotation(1, 0) * px + rotation(1, 1) * py + rotation(1, 2) * pz + translation.y();
-    z_[i] = rotation(2, 0) * px + rotation(2, 1) * py + rotation(2, 2) * pz + translation.z();
+  const Motion by = motion();
+  std::vector<Sums> chunks((used_ + kChunk - 1) / kChunk);
+  for_each_chunk(used_, kChunk, setup_.threads, [&](std::size_t begin, std::size_t end) {
+    gather(begin, end, by, &chunks[begin / kChunk]);
+  });
+  sums_ = Sums();
+  for (const Sums& chunk : chunks) {
+    sums_.energy += chunk.energy;
+    sums_.points.add(chunk.points);
+    sums_.hessian += chunk.hessian;
+    sums_.gradient += chunk.gradient;
+    sums_.searches += chunk.searches;
   }
-  correspondences_.update(x_, y_, z_, static_cast<float>(gate_), setup_.threads);
-  const std::vector<std::int32_t>& indices = correspondences_.indices();
-  double energy = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    residuals_[i] = squared_distances_[i] = std::numeric_limits<float>::quiet_NaN();
-    weights_[i] = 0;
-    if (indices[i] >= 0) measure_pair(i, static_cast<std::size_t>(indices[i]), rotation);
-    if (setup_.robust) {
-      energy += 1.0 - static_cast<double>(weights_[i]);
-    } else if (weights_[i] > 0) {
-      energy += static_cast<double>(residuals_[i]) * residuals_[i];
-    }
-  }
-  return energy;
+  correspondences_.note(static_cast<std::int64_t>(used_), sums_.searches);
+  return sums_.energy;
 }
 
 StateVector CloudProblem::image() {
@@ -116,43 +198,16 @@ StateVector CloudProblem::image() {
 }
 
 Pose CloudProblem::point_step() const {
-  PairSums sums;
-  const PointCloud& to = target_.points();
-  const std::vector<std::int32_t>& indices = correspondences_.indices();
-  for (std::size_t i = 0; i < source_.size(); ++i) {
-    if (weights_[i] <= 0) continue;
-    sums.add(weights_[i], Eigen::Vector3f(x_[i], y_[i], z_[i]).cast<double>(),
-             to.point(static_cast<std::size_t>(indices[i])).cast<double>());
-  }
-  return renormalised(rigid_fit(sums) * pose_);
+  return renormalised(rigid_fit(sums_.points) * pose_);
 }
 
 Pose CloudProblem::plane_step() const {
-  Matrix6 hessian = Matrix6::Zero();
-  Vector6 gradient = Vector6::Zero();
-  const Eigen::Matrix3f rotation = pose_.linear().cast<float>();
-  const PointCloud& to = target_.points();
-  const std::vector<std::int32_t>& indices = correspondences_.indices();
-  const bool symmetric = setup_.objective == IcpObjective::kSymmetric;
-  for (std::size_t i = 0; i < source_.size(); ++i) {
-    if (weights_[i] <= 0) continue;
-    const std::size_t q = static_cast<std::size_t>(indices[i]);
-    const Eigen::Vector3f normal = pair_normal(i, q, rotation);
-    const Eigen::Vector3f moved(x_[i], y_[i], z_[i]);
-    // Half of the rotation each on source and target: the lever is the middle between the two.
-    const Eigen::Vector3f lever = symmetric ? Eigen::Vector3f(0.5f * (moved + to.point(q))) : moved;
-    Vector6 j;
-    j << normal.cast<double>(), lever.cross(normal).cast<double>();
-    const double w = weights_[i];
-    hessian.selfadjointView<Eigen::Lower>().rankUpdate(j, w);
-    gradient += w * static_cast<double>(residuals_[i]) * j;
-  }
+  Matrix6 hessian = sums_.hessian.selfadjointView<Eigen::Lower>();
   const double tt = hessian.topLeftCorner<3, 3>().trace(), rr = hessian.bottomRightCorner<3, 3>().trace();
   if (!(tt > 0 && rr > 0)) return pose_;
-  hessian = hessian.selfadjointView<Eigen::Lower>();
   hessian.diagonal().head<3>().array() += kDamping * tt;
   hessian.diagonal().tail<3>().array() += kDamping * rr;
-  const Vector6 step = -hessian.ldlt().solve(gradient);
+  const Vector6 step = -hessian.ldlt().solve(sums_.gradient);
   return renormalised(se3_exp(step) * pose_);
 }
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "geometry/rigid_fit.hpp"
@@ -42,15 +44,48 @@ class CloudProblem final : public DescentProblem {
   Pose pose_of(const StateVector& x) const;
   StateVector state_of(const Pose& pose) const;
 
-  /// At the state evaluated last: residuals (NaN without a pair), and squared distances of the pairs.
-  const std::vector<float>& residuals() const { return residuals_; }
-  const std::vector<float>& squared_distances() const { return squared_distances_; }
-  const std::vector<float>& weights() const { return weights_; }
+  /// From here on the first `n` points of the source are all there is; what is known about the others stays.
+  void use_first(std::size_t n);
+  std::size_t used() const { return used_; }
+
+  /// A source point and its nearest target point at the state evaluated last.
+  struct Pair {
+    std::int32_t target = -1;  ///< -1: none within the gate
+    Eigen::Vector3f moved = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::Zero();
+    float squared_distance = std::numeric_limits<float>::quiet_NaN();
+    float residual = std::numeric_limits<float>::quiet_NaN();  ///< NaN: the pair does not count
+    double weight = 0;
+  };
+  Pair pair(std::size_t i) const;
+
+  /// Over every n-th point in use, so that about `count` are asked, those without a pair left out; the second
+  /// of absolute values.
+  double median_distance(std::size_t count) const;
+  double median_residual(std::size_t count) const;
+
+  const PointCloud& source() const { return source_; }
   const Correspondences& correspondences() const { return correspondences_; }
   const Pose& pose() const { return pose_; }
 
  private:
-  void measure_pair(std::size_t i, std::size_t q, const Eigen::Matrix3f& rotation);
+  /// What one pass over the source gathers. In the layout of a chunk, so that their order, and with it every
+  /// bit of the result, does not depend on the number of threads.
+  struct Sums {
+    double energy = 0;
+    PairSums points;
+    Matrix6 hessian = Matrix6::Zero();
+    Vector6 gradient = Vector6::Zero();
+    std::int64_t searches = 0;
+  };
+  struct Motion {
+    Eigen::Matrix3f rotation;
+    Eigen::Vector3f translation;
+  };
+  Motion motion() const;
+  Eigen::Vector3f moved(std::size_t i, const Motion& by) const;
+  Pair measure(std::size_t i, std::int32_t target, const Eigen::Vector3f& moved, const Motion& by) const;
+  void add_plane(const Pair& pair, Sums* sums) const;
+  void gather(std::size_t begin, std::size_t end, const Motion& by, Sums* sums);
   Pose point_step() const;
   Pose plane_step() const;
   Eigen::Vector3f pair_normal(std::size_t i, std::size_t q, const Eigen::Matrix3f& rotation) const;
@@ -58,11 +93,11 @@ class CloudProblem final : public DescentProblem {
   const PointCloud& source_;
   const CloudTarget& target_;
   Setup setup_;
+  std::size_t used_ = 0;
   double nu_ = 1, gate_ = 1, arm_ = 1;
   Pose base_ = Pose::Identity(), pose_ = Pose::Identity();
   Correspondences correspondences_;
-  std::vector<float> x_, y_, z_;
-  std::vector<float> residuals_, squared_distances_, weights_;
+  Sums sums_;
 };
 
 }  // namespace scanlock

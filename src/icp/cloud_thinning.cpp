@@ -12,10 +12,12 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kFew = 20000, kLeast = 5000, kMost = 24000;  // points
-constexpr double kVoxelOfRadius = 0.042;                           // the first guess
-constexpr double kStep = 1.4142135623730951;
-constexpr int kRounds = 12;
+constexpr std::size_t kFew = 20000;      // a cloud that needs no thinning
+constexpr double kVoxelOfRadius = 0.05;  // the first guess: detail that is small against the scene
+// Of the points of a scan a seventh says all: the others repeat their neighbours in the same row.
+constexpr std::size_t kShare = 7, kLeast = 5000, kMostOfLeast = 20000, kMost = 24000;
+constexpr double kStep = 1.2;
+constexpr int kRounds = 40;
 
 /// Median distance of the points from their median.
 double median_radius(const PointCloud& cloud) {
@@ -42,19 +44,19 @@ double sensible_voxel(const PointCloud& cloud) {
   if (cloud.size() <= kFew) return 0;
   double voxel = kVoxelOfRadius * median_radius(cloud);
   if (!(voxel > 0)) return 0;
-  bool grew = false;
-  for (int round = 0; round < kRounds; ++round) {
-    const std::size_t count = thin_by_voxel(cloud, static_cast<float>(voxel)).size();
-    if (count > kMost) {
-      voxel *= kStep;
-      grew = true;
-    } else if (count < kLeast && !grew) {
-      voxel /= kStep;
-    } else {
-      break;
-    }
+  const auto left = [&] { return thin_by_voxel(cloud, static_cast<float>(voxel)).size(); };
+  const std::size_t least = std::clamp(cloud.size() / kShare, kLeast, kMostOfLeast);
+  std::size_t count = left();
+  const bool too_many = count > kMost;
+  for (int round = 0; round < kRounds && (too_many ? count > kMost : count < least); ++round) {
+    voxel = too_many ? voxel * kStep : voxel / kStep;
+    count = left();
   }
   return voxel;
+}
+
+PointCloud thinned_by(const PointCloud& cloud, double voxel) {
+  return voxel > 0 ? average_by_voxel(cloud, static_cast<float>(voxel)) : cloud;
 }
 
 }  // namespace scanlock

@@ -24,64 +24,90 @@ constexpr float kRounding = 1e-5f;
 void Correspondences::reset(const PointCloud& target, const KdForest& tree, std::size_t n) {
   target_ = &target;
   tree_ = &tree;
-  gate_ = 0;
-  memories_.assign(n, Memory{0, 0, 0, -1, -1, -1});
-  indices_.assign(n, -1);
+  Memory none{};
+  none.candidates.fill(-1);
+  memories_.assign(n, none);
   searches_made_ = searches_saved_ = 0;
 }
 
-bool Correspondences::answer_holds(const Memory& memory, float x, float y, float z) const {
-  const float dx = x - memory.x, dy = y - memory.y, dz = z - memory.z;
-  return memory.margin > 0 && dx * dx + dy * dy + dz * dz < memory.margin * memory.margin;
+float Correspondences::squared_distance(std::int32_t index, const Eigen::Vector3f& query) const {
+  const std::size_t i = static_cast<std::size_t>(index);
+  const float dx = query.x() - target_->x[i], dy = query.y() - target_->y[i], dz = query.z() - target_->z[i];
+  return dx * dx + dy * dy + dz * dz;
 }
 
-void Correspondences::search(const Eigen::Vector3f& query, float radius, float gate, Memory* memory) const {
-  // The two points found last time bound the two distances sought now, so the search prunes from its first
-  // step.
-  float bound = radius;
-  if (memory->second >= 0) {
-    const float a = (target_->point(static_cast<std::size_t>(memory->nearest)) - query).norm();
-    const float b = (target_->point(static_cast<std::size_t>(memory->second)) - query).norm();
-    bound = std::min(bound, std::max(a, b) * (1.0f + kRounding) + std::numeric_limits<float>::min());
+bool Correspondences::answer_from_memory(const Eigen::Vector3f& query, float gate, Memory* memory) const {
+  if (memory->beyond < 0) return false;
+  const float dx = query.x() - memory->x, dy = query.y() - memory->y, dz = query.z() - memory->z;
+  const float squared_move = dx * dx + dy * dy + dz * dz;
+  if (squared_move < memory->margin * memory->margin) {
+    memory->answer = memory->candidates[0];
+    return true;
   }
-  Neighbour found[2];
-  const int count = tree_->k_nearest(query, 2, found, bound);
-  const float d1 = count > 0 ? std::sqrt(found[0].squared_distance) : radius;
-  const float d2 = count > 1 ? std::sqrt(found[1].squared_distance) : radius;
+  const float others = memory->beyond - std::sqrt(squared_move) * (1.0f + kRounding);
+  if (!(others > 0)) return false;
+  float best = std::numeric_limits<float>::infinity();
+  std::int32_t answer = -1;
+  for (const std::int32_t candidate : memory->candidates) {
+    if (candidate < 0) break;
+    const float squared = squared_distance(candidate, query);
+    if (squared < best) {
+      best = squared;
+      answer = candidate;
+    }
+  }
+  if (!(best < others * others || others > gate)) return false;
+  memory->answer = answer;
+  return true;
+}
+
+void Correspondences::search(const Eigen::Vector3f& query, float radius, Memory* memory) const {
+  // The points found last time bound the distances sought now, so the search prunes from its first step.
+  float bound = radius;
+  if (memory->candidates.back() >= 0) {
+    float farthest = 0;
+    for (const std::int32_t candidate : memory->candidates)
+      farthest = std::max(farthest, squared_distance(candidate, query));
+    bound = std::min(bound, std::sqrt(farthest) * (1.0f + kRounding) + std::numeric_limits<float>::min());
+  }
+  std::array<Neighbour, kCandidates> found;
+  const int count = tree_->k_nearest(query, kCandidates, found.data(), bound);
   memory->x = query.x();
   memory->y = query.y();
   memory->z = query.z();
-  memory->nearest = count > 0 ? found[0].index : -1;
-  memory->second = count > 1 ? found[1].index : -1;
-  memory->margin = (count > 0 ? 0.5f * (d2 - d1) : radius - gate) - kRounding * d2;
+  for (int k = 0; k < kCandidates; ++k)
+    memory->candidates[static_cast<std::size_t>(k)] =
+        k < count ? found[static_cast<std::size_t>(k)].index : -1;
+  const float d1 = count > 0 ? std::sqrt(found[0].squared_distance) : bound;
+  const float d2 = count > 1 ? std::sqrt(found[1].squared_distance) : bound;
+  const float last = count == kCandidates ? std::sqrt(found.back().squared_distance) : bound;
+  memory->beyond = last * (1.0f - kRounding);
+  memory->margin = count > 0 ? 0.5f * (d2 - d1) - kRounding * d2 : -1.0f;
+  memory->answer = memory->candidates[0];
+  if (!(memory->margin > 0)) memory->margin = 0;
+}
+
+std::int32_t Correspondences::find(std::size_t i, const Eigen::Vector3f& query, float gate,
+                                   std::int64_t* searches) {
+  Memory& memory = memories_[i];
+  if (!answer_from_memory(query, gate, &memory)) {
+    search(query, gate * kSearchBeyondGate, &memory);
+    ++*searches;
+  }
+  return memory.answer;
 }
 
 void Correspondences::update(const std::vector<float>& x, const std::vector<float>& y,
                              const std::vector<float>& z, float gate, int threads) {
   const std::size_t n = memories_.size();
-  // A wider gate than before makes "none within the radius" worthless; a narrower one only makes it stronger.
-  if (gate > gate_) {
-    for (Memory& memory : memories_) {
-      if (memory.nearest < 0) memory.margin = -1;
-    }
-  }
-  gate_ = gate;
-  const float radius = gate * kSearchBeyondGate;
+  indices_.resize(n);
   std::atomic<std::int64_t> made{0};
   for_each_chunk(n, kChunk, threads, [&](std::size_t begin, std::size_t end) {
     std::int64_t made_here = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      Memory& memory = memories_[i];
-      if (!answer_holds(memory, x[i], y[i], z[i])) {
-        search({x[i], y[i], z[i]}, radius, gate, &memory);
-        ++made_here;
-      }
-      indices_[i] = memory.nearest;
-    }
+    for (std::size_t i = begin; i < end; ++i) indices_[i] = find(i, {x[i], y[i], z[i]}, gate, &made_here);
     made += made_here;
   });
-  searches_made_ += made;
-  searches_saved_ += static_cast<std::int64_t>(n) - made;
+  note(static_cast<std::int64_t>(n), made);
 }
 
 }  // namespace scanlock

@@ -19,7 +19,9 @@ DescentResult descend(DescentProblem& problem, const StateVector& start, const D
   while (true) {
     const StateVector image = problem.image();
     if (!image.allFinite()) return result;
-    if (problem.distance(result.x, image) < options.tolerance) {
+    const double step_length = problem.distance(result.x, image);
+    if (options.step_length) options.step_length(step_length);
+    if (step_length < options.tolerance) {
       result.converged = true;
       return result;
     }
@@ -31,13 +33,14 @@ DescentResult descend(DescentProblem& problem, const StateVector& start, const D
     ++result.evaluations;
     if (accelerated && !(energy < result.energy)) {
       ++result.rejected;
+      anderson.reset();
       trial = image;
       energy = problem.evaluate(trial);
       ++result.evaluations;
     }
     // A step of a few tolerances that does not descend has met the noise floor: correspondences flip back and
     // forth there.
-    const bool worth_searching = problem.distance(result.x, image) > kNoiseFloor * options.tolerance;
+    const bool worth_searching = step_length > kNoiseFloor * options.tolerance;
     const int line_search_steps = worth_searching ? options.max_line_search_steps : 0;
     double length = 1.0;
     for (int step = 0; step < line_search_steps && !(energy < result.energy); ++step) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "icp/anderson.hpp"
 
@@ -23,8 +24,9 @@ class DescentProblem {
 struct DescentOptions {
   int anderson_window = 5;
   int max_iterations = 100;
-  int max_line_search_steps = 4;  ///< 0 where the image is known to descend (closed-form alignment)
-  double tolerance = 1e-5;        ///< stop when |G(x) - x| is below
+  int max_line_search_steps = 4;            ///< 0 where the image is known to descend (closed-form alignment)
+  double tolerance = 1e-5;                  ///< stop when |G(x) - x| is below
+  std::function<void(double)> step_length;  ///< told |G(x) - x| at each iterate, if set
 };
 
 struct DescentResult {

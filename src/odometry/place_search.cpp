@@ -62,7 +62,7 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
   request.body_up = excursion.state().pose.linear().col(2);
   out_ = true;
   void_ = false;
-  scans_wanted_ = excursion.scans() + std::min(4 * (attempts_ + 1), kLongestPause);
+  scans_wanted_ = excursion.scans() + std::min(3 + attempts_, kLongestPause);
   return request;
 }
 

@@ -98,29 +98,32 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   CloudRegistrationOptions registration;
   registration.tilt = kTilt;
   registration.max_nodes = kMaxNodes;
+  registration.judged = false;
   registration.target_ups = attitudes(request, level);
   const CloudRegistration found = register_clouds(source, target_->description, registration);
 
   RecoveryAnswer answer;
   answer.serial = request.serial;
   answer.utime = request.utime;
-  answer.verdict = found.verdict == GlobalVerdict::kCertain     ? PlaceVerdict::kFound
-                   : found.verdict == GlobalVerdict::kAmbiguous ? PlaceVerdict::kAmbiguous
-                                                                : PlaceVerdict::kNotHere;
+  answer.certified = found.solution.certified;
+  if (answer.certified && found.verdict != GlobalVerdict::kNoOverlap) answer.verdict = PlaceVerdict::kFound;
   // source: stand (p - source_centre); target: level (p - target_centre).
   Pose to_stand = Pose::Identity(), to_level = Pose::Identity();
   to_stand.linear() = stand;
   to_level.linear() = level;
-  const Pose turn = to_level.inverse() * found.target_from_source * to_stand;
-  answer.map_from_predicted =
-      Eigen::Translation3d(request.target_centre) * turn * Eigen::Translation3d(-request.source_centre);
+  const auto correction = [&](const Pose& target_from_source) -> Pose {
+    return Eigen::Translation3d(request.target_centre) * to_level.inverse() * target_from_source * to_stand *
+           Eigen::Translation3d(-request.source_centre);
+  };
+  answer.map_from_predicted = correction(found.target_from_source);
+  for (const Pose& rival : found.rivals) answer.rivals.push_back(correction(rival));
   answer.matches = static_cast<int>(found.solution.matches);
   answer.matches_kept = static_cast<int>(found.solution.matches_after_pruning);
   answer.consensus = found.solution.consensus;
   answer.upper_bound = found.solution.upper_bound;
   answer.runner_up_consensus = found.solution.runner_up_consensus;
-  answer.certified = found.solution.certified;
   answer.reason = found.why;
+  if (!answer.certified) answer.reason += ", not proven to be the most";
   answer.nodes = static_cast<std::int64_t>(found.solution.nodes);
   answer.search_ms = found.solution.pruning_ms + found.solution.search_ms;
   answer.total_ms = cpu_ms() - begin;

@@ -31,14 +31,18 @@ struct RecoveryRequest {
   Eigen::Vector3d body_up = Eigen::Vector3d::UnitZ();
 };
 
-enum class PlaceVerdict : std::int8_t { kFound, kAmbiguous, kNotHere };
+enum class PlaceVerdict : std::int8_t {
+  kFound,    ///< places to be tried on the scans that follow
+  kNotHere,  ///< no place there has enough of a consensus, or that it has is not proven
+};
 
 /// What a search found.
 struct RecoveryAnswer {
   std::int64_t serial = 0;
   std::int64_t utime = 0;
   PlaceVerdict verdict = PlaceVerdict::kNotHere;
-  Pose map_from_predicted = Pose::Identity();  ///< corrects predicted poses
+  Pose map_from_predicted = Pose::Identity();  ///< corrects predicted poses; of the largest consensus
+  std::vector<Pose> rivals;                    ///< the same, of other places that many matches agree on
   int matches = 0, matches_kept = 0, consensus = 0, upper_bound = 0, runner_up_consensus = 0;
   bool certified = false;
   std::string reason;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "icp/degeneracy.hpp"
+#include "odometry/contest.hpp"
 #include "odometry/excursion.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/place_search.hpp"
@@ -21,41 +22,22 @@ constexpr double kDegree = 3.14159265358979 / 180.0;
 // Trust in an alignment. The score of good ones stays below 5 in streets and rooms; a kidnap gives 10 and
 // more.
 constexpr double kJumpScore = 6.0;
-constexpr double kCalmScore = 4.0;  // hysteresis: what a lost tracker must get below
-constexpr int kConfirmations = 3;   // scans in a row, before a place found is believed
-constexpr int kMissesAllowed = 1;   // of them
-constexpr int kPatience = 20;       // scans in which a lost tracker feels around on each,
-constexpr int kSeldom = 5;          // and after that on every fifth
-constexpr double kFarGate = 2.0;    // metres: a prediction so far off needs the far reach
-constexpr int kQuietScans = 5;      // after that, before the map may grow
-constexpr int kFalseStarts = 3;     // scans that do not fit the first one: it was no good
+constexpr double kCalmScore = 4.0;      // hysteresis: what a lost tracker must get below
+constexpr std::size_t kMostPlaces = 5;  // tried at once
+constexpr int kPatience = 20;           // scans in which a lost tracker feels around on each,
+constexpr int kSeldom = 5;              // and after that on every fifth
+constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
+constexpr int kQuietScans = 5;          // after that, before the map may grow
+constexpr int kFalseStarts = 3;         // scans that do not fit the first one: it was no good
 constexpr double kCoastSeconds =
     3.0;  // a robot that sees nothing is predicted at its last velocity for so long, then as standing
 
 /// Where the robot may be, while it is lost: to be confirmed by the scans that follow.
 struct Candidate {
-  Pose map_from_predicted = Pose::Identity();
+  Contest contest;
   std::optional<RecoveryAnswer>
-      answer;  ///< of the global search; none: felt by ICP where it must be if nothing happened
-  int confirmed = 0, missed = 0;
-  double energy = 1;
+      answer;  ///< of the global search; none: felt where it must be if nothing happened
 };
-
-/// Of a pose, translation and rotation alike in all directions; the velocity as given.
-Matrix12 prior_information(double metres, double radians, const Matrix12& covariance) {
-  Matrix12 information = Matrix12::Zero();
-  information.diagonal().head<3>().setConstant(1.0 / (metres * metres));
-  information.diagonal().segment<3>(3).setConstant(1.0 / (radians * radians));
-  Matrix6 velocity = covariance.bottomRightCorner<6, 6>();
-  velocity.diagonal().array() += 0.01;
-  information.bottomRightCorner<6, 6>() = velocity.inverse();
-  return information;
-}
-
-bool near(const Pose& a, const Pose& b, double metres, double radians) {
-  const Pose difference = a.inverse() * b;
-  return difference.translation().norm() < metres && so3_log(difference.linear()).norm() < radians;
-}
 
 }  // namespace
 
@@ -84,6 +66,7 @@ struct Tracker::State {
   double gate_m = 0, gate_rad = 0;  // how far the prediction may be off where the excursion began
   double energy_before = 1;
   std::optional<Candidate> candidate;
+  std::vector<Pose> earlier_finds;  // of this excursion, the newest first
   PlaceSearch search;
 
   explicit State(const TrackerConfig& c)
@@ -182,8 +165,9 @@ struct Tracker::State {
   /// Where the excursion begins anew the gate widens by what may have happened unseen.
   void begin_or_follow(std::int64_t utime, double dt, const PreparedScan& scan) {
     if (excursion && excursion->follow(utime, dt, scan)) return;
-    if (excursion && candidate) refuse("the scans that followed do not agree among themselves");
+    if (excursion && candidate) refuse("the scans that followed do not fit each other: ");
     search.begin_anew();
+    earlier_finds.clear();
     const auto& covariance = odometer.covariance();
     gate_m = 0.5 + 3.0 * std::sqrt(covariance.diagonal().head<3>().maxCoeff());
     gate_rad = 3.0 * kDegree + 3.0 * std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
@@ -230,37 +214,28 @@ struct Tracker::State {
     const bool plausible = standing ? near(found, last_trusted_pose, 0.5, 5.0 * kDegree)
                                     : near(found, predicted.pose, gate_m, gate_rad);
     if (!plausible || !explains(*attempt, kCalmScore)) return false;
-    candidate = Candidate{};
-    candidate->map_from_predicted = renormalised(found * predicted.pose.inverse());
-    candidate->confirmed = 1;
+    candidate = Candidate{Contest({renormalised(found * predicted.pose.inverse())}, 1), std::nullopt};
     return false;
   }
 
-  /// Whether the scan agrees with the candidate, and by that it is believed.
+  /// Whether one of the places is believed with this scan.
   bool confirm(const PreparedScan& scan, Attempt* attempt) {
-    const MovingPose& predicted = excursion->state();
-    const bool first = candidate->confirmed == 0;
-    const double metres = first ? 0.3 : 0.1, radians = (first ? 2.0 : 1.0) * kDegree;
-    MotionPrior prior;
-    prior.mean = {renormalised(candidate->map_from_predicted * predicted.pose), predicted.twist};
-    prior.information = prior_information(metres, radians, excursion->covariance());
-    *attempt = odometer.align(scan, prior, Reach::kNear);
-    const Pose& found = attempt->alignment.moving.pose;
-    candidate->energy = attempt->health.energy;
-    if (!explains(*attempt, kCalmScore) || !near(found, prior.mean.pose, 3.0 * metres, 3.0 * radians)) {
-      if (++candidate->missed > kMissesAllowed)
-        refuse("the scans that followed do not agree with the place found");
-      return false;
+    const Contest::Outcome outcome =
+        candidate->contest.judge(odometer, scan, excursion->state(), excursion->covariance());
+    *attempt = candidate->contest.attempt();
+    if (outcome == Contest::Outcome::kRefuted) refuse("the scans that followed do not fit: ");
+    if (outcome == Contest::Outcome::kUndecided) {
+      if (candidate->answer) state = TrackingState::kAmbiguous;
+      refuse("the scans that followed fit several places alike: ");
     }
-    candidate->map_from_predicted = renormalised(found * predicted.pose.inverse());
-    return ++candidate->confirmed >= kConfirmations;
+    return outcome == Contest::Outcome::kWon;
   }
 
   void refuse(const std::string& why) {
     if (candidate->answer) {
       Recovery recovery = recovery_of(*candidate->answer);
-      recovery.reason = why;
-      recovery.energy_after = candidate->energy;
+      recovery.reason = why + candidate->answer->reason;
+      recovery.energy_after = candidate->contest.attempt().health.energy;
       ended = recovery;
     }
     candidate.reset();
@@ -274,7 +249,7 @@ struct Tracker::State {
       Recovery recovery = recovery_of(*candidate->answer);
       recovery.accepted = true;
       recovery.reason = candidate->answer->reason;
-      recovery.map_from_predicted = candidate->map_from_predicted;
+      recovery.map_from_predicted = candidate->contest.map_from_predicted();
       recovery.energy_after = attempt.health.energy;
       ended = recovery;
     }
@@ -297,20 +272,19 @@ struct Tracker::State {
     if (!search.take(answer.serial) || !lost() || !excursion) return;
     if (answer.verdict == PlaceVerdict::kFound) {
       const Pose place = renormalised(answer.map_from_predicted * excursion->state().pose);
-      if (!odometer_covers(place)) {
+      if (!odometer_covers(place))
         odometer.reload(archive.keyframes(), place.translation(), scale.current(0));
-      }
       state = TrackingState::kRecovering;
-      candidate = Candidate{};
-      candidate->map_from_predicted = answer.map_from_predicted;
-      candidate->answer = std::move(answer);
+      // Earlier finds are rivals too: what a few matches more or less decide is not decided.
+      std::vector<Pose> places = {answer.map_from_predicted};
+      for (const std::vector<Pose>& others : {answer.rivals, earlier_finds})
+        places.insert(places.end(), others.begin(), others.end());
+      places.resize(std::min(places.size(), kMostPlaces));
+      earlier_finds.insert(earlier_finds.begin(), answer.map_from_predicted);
+      candidate = Candidate{Contest(places), std::move(answer)};
       return;
     }
-    if (answer.verdict == PlaceVerdict::kAmbiguous) {
-      state = TrackingState::kAmbiguous;
-    } else if (state != TrackingState::kAmbiguous && search.looked_everywhere()) {
-      state = TrackingState::kLost;
-    }
+    if (state != TrackingState::kAmbiguous && search.looked_everywhere()) state = TrackingState::kLost;
     Recovery recovery = recovery_of(answer);
     recovery.reason = answer.reason;
     ended = recovery;
@@ -451,7 +425,7 @@ void Tracker::set_pose(const Pose& map_from_body) {
   }
   s.odometer.reload(s.archive.keyframes(), map_from_body.translation(), s.scale.current(0));
   s.lose();
-  s.candidate = Candidate{};
+  s.candidate = Candidate{Contest({Pose::Identity()}), std::nullopt};
 }
 
 SavedMap Tracker::save() const {

@@ -64,7 +64,7 @@ constexpr int kLeafSize = 12;
 }  // namespace
 
 struct KdTree::Index {
-  std::vector<float> coordinates;      // what FLANN refers to, three a point
+  std::vector<float> coordinates;      // three a point, while the tree is built
   std::vector<std::int32_t> original;  // index into the caller's cloud
   std::unique_ptr<flann::KDTreeSingleIndex<SquaredDistance3>> tree;
   flann::SearchParams parameters;
@@ -88,6 +88,8 @@ KdTree::KdTree(const PointCloud& cloud, std::size_t begin, std::size_t end) : Kd
   index.tree = std::make_unique<flann::KDTreeSingleIndex<SquaredDistance3>>(
       rows, flann::KDTreeSingleIndexParams(kLeafSize, true));
   index.tree->buildIndex();
+  // Searches read FLANN's own copy, which it has put into the order of the tree.
+  std::vector<float>().swap(index.coordinates);
   // Below zero on purpose: FLANN accumulates its lower bounds with float rounding, and prunes on them
   // exactly.
   index.parameters.eps = -1e-5f;

@@ -58,7 +58,9 @@ std::size_t keys_in(const std::string& section) {
 TEST_CASE("every member of the configuration has its key") {
   CHECK(keys_in("tracker") == member_count<TrackerConfig>());
   CHECK(keys_in("mount") == member_count<MountConfig>());
-  CHECK(keys_in("input") + keys_in("output") + 1 == member_count<DaemonConfig>());  // the mount is one member
+  CHECK(keys_in("map") == member_count<MapConfig>());
+  // The mount and the map are one member each.
+  CHECK(keys_in("input") + keys_in("output") + 2 == member_count<DaemonConfig>());
 }
 
 TEST_CASE("an empty configuration is the default") {
@@ -157,6 +159,24 @@ TEST_CASE("values from the command line are held to the same ranges") {
   CHECK_THROWS_AS(check_config(config), ConfigError);
   config = Config{};
   config.daemon.scan_channels = {""};
+  CHECK_THROWS_AS(check_config(config), ConfigError);
+}
+
+TEST_CASE("a channel serves one purpose and the own poses are no prior") {
+  Config config;
+  config.daemon.prior_odometry_channel = config.daemon.pose_channel;
+  try {
+    check_config(config);
+    FAIL("no error");
+  } catch (const ConfigError& error) {
+    CHECK(starts_with(error.what(),
+                      "input.prior_odometry_channel: \"POSE_BODY_CORRECTED\" is output.pose_channel"));
+  }
+  config = Config{};
+  config.daemon.command_channel = "LIDAR";
+  CHECK_THROWS_AS(check_config(config), ConfigError);
+  config = Config{};
+  config.daemon.attitude_channel = config.daemon.prior_odometry_channel = "STATE";
   CHECK_THROWS_AS(check_config(config), ConfigError);
 }
 

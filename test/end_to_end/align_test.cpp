@@ -8,6 +8,7 @@
 
 #include "geometry/rigid.hpp"
 #include "io/cloud_file.hpp"
+#include "io/trajectory.hpp"
 #include "process.hpp"
 
 using namespace scanlock;
@@ -133,4 +134,22 @@ TEST_CASE("scanlock-align says what is wrong in one line") {
     CHECK(result.output.empty());
     CHECK(result.errors.find(wrong.words) != std::string::npos);
   }
+}
+
+TEST_CASE("scanlock-align registers a chain and writes its poses and map") {
+  const Files files;
+  const std::string poses = files.folder / "poses.tum", map = files.folder / "map.ply";
+  const Result result =
+      run(files.folder, {"scanlock-align", files.target, files.source, files.target, "--chain", "--method",
+                         "robust-icp-plane", "--poses", poses, "--output", map, "--json"});
+  REQUIRE(result.code == 0);
+  CHECK(number(result.output, "clouds") == 3);
+  CHECK(number(result.output, "length") == doctest::Approx(0.2).epsilon(0.05));
+  const Trajectory trajectory = read_tum(poses);
+  REQUIRE(trajectory.size() == 3);
+  CHECK(trajectory[1].pose.translation().x() == doctest::Approx(0.1).epsilon(0.05));
+  CHECK(trajectory[2].pose.translation().norm() < 0.005);
+  CHECK(trajectory[2].time_s == 2);
+  CHECK(read_cloud(map).size() == 9000);
+  CHECK(run(files.folder, {"scanlock-align", files.source, files.target, files.target}).code == 2);
 }

@@ -119,8 +119,31 @@ TEST_CASE("page is self-contained and holds the numbers") {
   const std::string html = trajectory_html(comparison);
   CHECK(count(html, "<svg") == 1);
   CHECK(count(html, "src=") == 0);
-  CHECK(count(html, "<tr>") == result_rows(comparison.evaluation).size());
+  CHECK(count(html, "<tr>") == result_rows(comparison).size());
   CHECK(count(html, "0.5000 m") >= 1);  // the shift by half a metre
+}
+
+TEST_CASE("a kidnap is marked and what does not track is drawn apart") {
+  Comparison comparison = loop_of(600);
+  CHECK(count(trajectory_svg(comparison), "class=\"kidnap\"") == 0);
+  CHECK(count(trajectory_svg(comparison), "class=\"lost\"") == 0);
+  for (std::size_t i = 300; i < 600; ++i) comparison.reference[i].pose.translation().y() += 9;
+  for (int i = 0; i < 600; ++i)
+    comparison.states.push_back(
+        {0.1 * i, i < 302 || i > 330 ? TrackingState::kTracking : TrackingState::kLost});
+  comparison.pairs = match_by_time(comparison.estimate, comparison.reference);
+  comparison.kidnaps =
+      examine_kidnaps(comparison.reference, comparison.pairs, comparison.states, Overlay::kNone);
+  const std::string svg = trajectory_svg(comparison);
+  CHECK(is_balanced(svg));
+  CHECK(count(svg, "class=\"kidnap\"") == 1);
+  CHECK(count(svg, "class=\"reference\"") == 2 + 1 + 1);  // two pieces, the legend, the height
+  CHECK(count(svg, "kidnapped 9.") == 1);
+  CHECK(count(svg, "not back") == 1);
+  CHECK(count(svg, "class=\"lost\"") == 1 + 1);
+  const auto rows = result_rows(comparison);
+  CHECK(rows.back().first == "wrong jumps");
+  CHECK(rows.back().second == "1");  // it claims to track where it is not
 }
 
 }  // namespace scanlock

@@ -18,7 +18,7 @@ namespace {
 PointCloud random_cloud(std::size_t n, unsigned seed) {
   std::mt19937 rng(seed);
   std::uniform_real_distribution<float> uniform(-5.0f, 5.0f);
-  PointCloud cloud;
+  scanlock::PointCloud cloud;
   for (std::size_t i = 0; i < n; ++i) {
     cloud.push_back(uniform(rng), uniform(rng), uniform(rng));
     cloud.time.push_back(static_cast<float>(i));
@@ -57,7 +57,7 @@ TEST_CASE("thinning does not depend on the order of the points") {
 }
 
 TEST_CASE("thinning leaves out what no voxel can hold") {
-  PointCloud cloud;
+  scanlock::PointCloud cloud;
   cloud.push_back(std::numeric_limits<float>::quiet_NaN(), 0, 0);
   cloud.push_back(0, std::numeric_limits<float>::infinity(), 0);
   cloud.push_back(0, 0, 1e30f);
@@ -70,3 +70,24 @@ TEST_CASE("thinning leaves out what no voxel can hold") {
 }
 
 }  // namespace scanlock
+
+TEST_CASE("averages by voxel are means of points and of normals whatever their sign") {
+  scanlock::PointCloud cloud;
+  cloud.push_back(0.1f, 0.2f, 0.3f);
+  cloud.push_back(0.3f, 0.4f, 0.5f);
+  cloud.push_back(5.5f, 0, 0);
+  cloud.push_back(NAN, 0, 0);
+  cloud.nx = {0, 0, NAN, 1};
+  cloud.ny = {0, 0, 0, 0};
+  cloud.nz = {1, -1, 0, 0};
+  const scanlock::PointCloud mean = scanlock::average_by_voxel(cloud, 1.0f);
+  REQUIRE(mean.size() == 2);
+  const std::size_t at = mean.x[0] < 1 ? 0 : 1;
+  CHECK(mean.x[at] == doctest::Approx(0.2));
+  CHECK(mean.y[at] == doctest::Approx(0.3));
+  CHECK(mean.z[at] == doctest::Approx(0.4));
+  CHECK(std::abs(mean.nz[at]) == doctest::Approx(1));
+  CHECK(mean.x[1 - at] == 5.5f);
+  CHECK(mean.normal(1 - at) == Eigen::Vector3f::Zero());
+  CHECK_THROWS(scanlock::average_by_voxel(cloud, 0.0f));
+}

@@ -3,7 +3,9 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <initializer_list>
+#include <random>
 #include <string>
 
 #include "cloud_samples.hpp"
@@ -42,6 +44,45 @@ TEST_CASE("the normalised error squared is that of six degrees of freedom over m
       CHECK(nees > 1.0);
       CHECK(nees < 12.0);
     }
+  }
+}
+
+TEST_CASE("errors that neighbours share are no independent errors") {
+  // Each cell of half a metre of each cloud is off along its normals as a whole.
+  const Pose truth = motion({0.03, -0.02, 0.01}, {0.004, -0.003, 0.01});
+  const auto warped = [](unsigned seed) {
+    Random random(seed);
+    PointCloud cloud = room(random, 6000, 0.002);
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const auto cell = [](float v) {
+        return static_cast<unsigned>(static_cast<int>(std::floor(2 * v)) + 50);
+      };
+      std::seed_seq seeds{seed, cell(cloud.x[i]), cell(cloud.y[i]), cell(cloud.z[i])};
+      std::mt19937 engine(seeds);
+      const float off = 0.01f * std::normal_distribution<float>()(engine);
+      cloud.x[i] += off * cloud.nx[i];
+      cloud.y[i] += off * cloud.ny[i];
+      cloud.z[i] += off * cloud.nz[i];
+    }
+    return cloud;
+  };
+  CloudAlignmentOptions options;
+  options.nu_min = 0.03;  // above what the surfaces are off by
+  for (const std::string method : {"icp-plane", "robust-icp-plane"}) {
+    double sum = 0;
+    constexpr int kTrials = 20;
+    for (unsigned trial = 0; trial < kTrials; ++trial) {
+      CloudTarget target(warped(2 * trial));
+      target.prepare_normals();
+      const CloudAlignment result = align_clouds(moved(warped(2 * trial + 1), truth.inverse()), target,
+                                                 Pose::Identity(), *find_cloud_method(method), options);
+      const Vector6 error = se3_log(result.target_from_source.inverse() * truth);
+      sum += error.dot(result.covariance.ldlt().solve(error));
+    }
+    CAPTURE(method);
+    INFO("NEES " << sum / kTrials << " of 6");
+    CHECK(sum / kTrials > 1.0);
+    CHECK(sum / kTrials < 12.0);
   }
 }
 

@@ -1,0 +1,56 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <exception>
+#include <future>
+#include <optional>
+#include <string>
+
+#include "daemon/config.hpp"
+#include "daemon/statistics.hpp"
+#include "odometry/keyframe_archive.hpp"
+
+namespace scanlock {
+
+/// The daemon's map file. Writing is done in the background, one at a time, so that the disk never holds up
+/// the tracking; what goes wrong there is logged and becomes the last error.
+class MapStore {
+ public:
+  MapStore(const MapConfig& config, Statistics& statistics);
+
+  /// What the configured file holds; nothing when none is configured, or there is none yet. Throws
+  /// std::runtime_error for one that cannot be used.
+  std::optional<SavedMap> load_at_start();
+  /// Throws std::runtime_error naming what is wrong; `path` empty: the configured one.
+  SavedMap load(const std::string& path) const;
+
+  /// Begins to write `map`. Throws std::runtime_error when that cannot be begun. `path` empty: the configured
+  /// one.
+  void save(const std::string& path, SavedMap map);
+
+  /// True when the configured period has passed and a periodic save could begin.
+  bool is_due(std::chrono::steady_clock::time_point now);
+  /// Saves to the configured file in the background, unless that holds these keyframes already.
+  void save_if_grown(SavedMap map);
+
+  /// At the end: waits for a save under way, then writes the configured file, unless it holds this map
+  /// already.
+  void save_at_exit(const SavedMap& map);
+
+ private:
+  std::string resolved(const std::string& path) const;
+  bool is_busy();
+  bool is_another(const SavedMap& map) const;
+  void complain(const std::exception& error);
+  bool write(const std::string& path, const SavedMap& map, bool keep_old);
+
+  const MapConfig config_;
+  Statistics& statistics_;
+  std::future<bool> writing_;  ///< whether it succeeded
+  std::chrono::steady_clock::time_point next_;
+  std::optional<SavedMap> written_;  ///< as the configured file holds it; shares its points with the tracker
+};
+
+}  // namespace scanlock

@@ -1,0 +1,156 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "evaluation/kidnaps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace scanlock {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+constexpr double kJumpMetres = 1.0, kJumpAngle = 20 * kDegree;
+constexpr double kAcceleration = 20, kAngularAcceleration = 50;  // m/s^2, rad/s^2: more than any vehicle's
+constexpr double kRise = 1.0;                                    // metres between two claims: no drift
+constexpr double kSameTime = 2e-6;                               // seconds; doubles near 1.6e9 hold 0.2 us
+
+double metres(const Pose& difference) {
+  return difference.translation().norm();
+}
+double degrees(const Pose& difference) {
+  return so3_log(difference.linear()).norm() / kDegree;
+}
+
+/// The rotation nearest to the mean of R_reference R_estimate^T, and the translation that goes with it.
+/// Unlike a fit of the positions alone, it is sure on a straight way too.
+Pose mean_alignment(const PosePairs& pairs, double before_s, Overlay kind) {
+  if (kind == Overlay::kNone) return Pose::Identity();
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d reference = Eigen::Vector3d::Zero(), estimate = Eigen::Vector3d::Zero();
+  double count = 0;
+  for (const PosePair& pair : pairs) {
+    if (count > 0 && pair.time_s >= before_s) break;
+    sum += pair.reference.linear() * pair.estimate.linear().transpose();
+    reference += pair.reference.translation();
+    estimate += pair.estimate.translation();
+    ++count;
+  }
+  Pose mean = Pose::Identity();
+  if (kind == Overlay::kYaw) {
+    const double yaw = std::atan2(sum(1, 0) - sum(0, 1), sum(0, 0) + sum(1, 1));
+    mean.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  } else {
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Vector3d signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant());
+    mean.linear() = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  }
+  mean.translation() = (reference - mean.linear() * estimate) / count;
+  return mean;
+}
+
+/// Whether the estimate is where the reference is, and says so where it can.
+bool is_home(const PosePair& pair, const Pose& alignment, const std::vector<StampedState>& states) {
+  if (!states.empty()) {
+    const auto state = state_at(states, pair.time_s);
+    if (state != TrackingState::kTracking && state != TrackingState::kDegraded) return false;
+  }
+  const Pose error = pair.reference.inverse() * (alignment * pair.estimate);
+  return metres(error) <= kRecoveredMetres && degrees(error) <= kRecoveredDegrees;
+}
+
+std::optional<double> recovery_time(const PosePairs& pairs, const Pose& alignment,
+                                    const std::vector<StampedState>& states, double from_s, double to_s) {
+  constexpr double kAway = -1;
+  double since_s = kAway;  // it is home, by the clock of `from_s`
+  for (const PosePair& pair : pairs) {
+    if (pair.time_s < from_s - kSameTime || pair.time_s >= to_s - kSameTime) continue;
+    const double now_s = std::max(0.0, pair.time_s - from_s);
+    if (!is_home(pair, alignment, states)) {
+      since_s = kAway;
+    } else if (since_s < 0) {
+      since_s = now_s;
+    }
+    if (since_s >= 0 && now_s - since_s >= kStaysSeconds) break;
+  }
+  return since_s < 0 ? std::nullopt : std::optional<double>(since_s);
+}
+
+int count_wrong_jumps(const PosePairs& pairs, const Pose& alignment, const std::vector<StampedState>& states,
+                      const std::vector<Kidnap>& kidnaps) {
+  int wrong = 0;
+  bool wrong_now = false;
+  double last_error = 0, kidnapped_s = -std::numeric_limits<double>::infinity();
+  auto next = kidnaps.begin();
+  for (const PosePair& pair : pairs) {
+    for (; next != kidnaps.end() && next->time_s <= pair.time_s + kSameTime; ++next)
+      kidnapped_s = next->time_s;
+    const auto state = state_at(states, pair.time_s);
+    if (state != TrackingState::kTracking) {
+      if (state != TrackingState::kDegraded) wrong_now = false;  // it says itself that it is lost
+      continue;
+    }
+    if (pair.time_s - kidnapped_s < kNoticedSeconds) continue;
+    const double error = metres(pair.reference.inverse() * (alignment * pair.estimate));
+    if (!wrong_now && error > kWrongMetres && error > last_error + kRise) {
+      ++wrong;
+      wrong_now = true;
+    }
+    wrong_now = wrong_now && error > kWrongMetres;
+    if (!wrong_now) last_error = error;
+  }
+  return wrong;
+}
+
+}  // namespace
+
+std::vector<Kidnap> find_kidnaps(const Trajectory& reference) {
+  std::vector<Kidnap> kidnaps;
+  Vector6 velocity = Vector6::Zero();
+  bool known = false;  // the velocity
+  for (std::size_t i = 1; i < reference.size(); ++i) {
+    const double dt = reference[i].time_s - reference[i - 1].time_s;
+    if (!(dt > 0)) continue;
+    const Pose step = reference[i - 1].pose.inverse() * reference[i].pose;
+    const Pose surprise = known ? se3_exp(dt * velocity).inverse() * step : step;
+    // Where the start is in motion, its speed is not known yet: no vehicle does 100 m/s.
+    const double metres_allowed = kJumpMetres + 0.5 * kAcceleration * dt * dt + (known ? 0 : 100 * dt);
+    const double degrees_allowed =
+        (kJumpAngle + 0.5 * kAngularAcceleration * dt * dt + (known ? 0 : 10 * dt)) / kDegree;
+    if (metres(surprise) > metres_allowed || degrees(surprise) > degrees_allowed) {
+      kidnaps.push_back({i, reference[i].time_s, metres(surprise), degrees(surprise), std::nullopt});
+      known = false;  // who is set down the other way round drives backwards
+      continue;
+    }
+    velocity = se3_log(step) / dt;
+    known = true;
+  }
+  return kidnaps;
+}
+
+std::optional<TrackingState> state_at(const std::vector<StampedState>& states, double time_s) {
+  const auto found =
+      std::lower_bound(states.begin(), states.end(), time_s - kSameTime,
+                       [](const StampedState& state, double time) { return state.time_s < time; });
+  if (found == states.end() || found->time_s > time_s + kSameTime) return std::nullopt;
+  return found->state;
+}
+
+KidnapReport examine_kidnaps(const Trajectory& reference, const PosePairs& pairs,
+                             const std::vector<StampedState>& states, Overlay kind) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  KidnapReport report;
+  report.kidnaps = find_kidnaps(reference);
+  const double first_s = report.kidnaps.empty() ? kNever : report.kidnaps.front().time_s - kSameTime;
+  report.reference_from_estimate = mean_alignment(pairs, first_s, kind);
+  for (std::size_t i = 0; i < report.kidnaps.size(); ++i) {
+    const double next_s = i + 1 < report.kidnaps.size() ? report.kidnaps[i + 1].time_s : kNever;
+    report.kidnaps[i].recovery_s =
+        recovery_time(pairs, report.reference_from_estimate, states, report.kidnaps[i].time_s, next_s);
+  }
+  if (!states.empty())
+    report.wrong_jumps = count_wrong_jumps(pairs, report.reference_from_estimate, states, report.kidnaps);
+  return report;
+}
+
+}  // namespace scanlock

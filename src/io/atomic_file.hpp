@@ -1,0 +1,17 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace scanlock {
+
+/// Replaces the file, or creates it, so that at any instant (a kill, a power cut) either the old content or
+/// the new one is there, whole: a temporary file beside it, synced, is renamed over it. A symbolic link is
+/// followed. Throws std::runtime_error naming the path; the old file is then untouched and nothing is left
+/// behind.
+void write_file_atomically(const std::string& path, const std::vector<std::uint8_t>& bytes);
+
+}  // namespace scanlock

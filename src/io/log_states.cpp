@@ -1,0 +1,31 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "io/log_states.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "io/lcm_log.hpp"
+#include "io/log_poses.hpp"
+#include "messages/decode_report.hpp"
+
+namespace scanlock {
+
+std::vector<StampedState> load_states(const std::string& source, const std::string& channel) {
+  std::string path = source;
+  if (!std::filesystem::exists(source)) path = source.substr(0, source.rfind(':'));
+  std::vector<StampedState> states;
+  if (!is_log(path)) return states;
+  LogReader reader(path);
+  while (const auto event = reader.next()) {
+    if (event->channel != channel) continue;
+    const auto decoded = decode_odometry(event->data.data(), event->data.size());
+    if (!decoded.ok()) continue;
+    states.push_back({static_cast<double>(decoded.value.tracked.utime) * 1e-6, decoded.value.tracked.state});
+  }
+  std::stable_sort(states.begin(), states.end(),
+                   [](const StampedState& a, const StampedState& b) { return a.time_s < b.time_s; });
+  return states;
+}
+
+}  // namespace scanlock

@@ -1,0 +1,249 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "io/map_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <type_traits>
+
+#include "io/atomic_file.hpp"
+#include "io/crc32.hpp"
+#include "io/file_bytes.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'S', 'L', 'M', 'A', 'P', '\r', '\n'};
+constexpr std::size_t kHeaderBytes = 20, kChecksumBytes = 4;
+constexpr std::size_t kPoseBytes = 12 * 8, kKeyframeBytes = 8 + kPoseBytes + 4 + 4 + 4;  // without its points
+constexpr std::size_t kPointBytes = 3 * 2;
+constexpr std::uintmax_t kMostBytes = 1u << 30;
+constexpr int kFinestStep = -24, kCoarsestStep = 24;  // metres, as powers of two
+constexpr double kMostSteps = 32767;
+
+template <typename Unsigned>
+void put(std::vector<std::uint8_t>& out, Unsigned value) {
+  static_assert(std::is_unsigned_v<Unsigned>);
+  for (std::size_t i = 0; i < sizeof value; ++i)
+    out.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i)));
+}
+
+/// The same bits as a number without sign.
+template <typename Unsigned, typename Value>
+Unsigned bits_of(Value value) {
+  static_assert(sizeof(Unsigned) == sizeof(Value));
+  Unsigned bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  return bits;
+}
+
+void put_pose(std::vector<std::uint8_t>& out, const Pose& pose) {
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) put(out, bits_of<std::uint64_t>(pose.matrix()(row, column)));
+}
+
+bool is_finite(const PointCloud& points, std::size_t i) {
+  return points.point(i).allFinite();
+}
+
+/// The exponent of the smallest step that reaches all finite coordinates.
+int step_exponent(const PointCloud& points) {
+  float farthest = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (is_finite(points, i)) farthest = std::max(farthest, points.point(i).cwiseAbs().maxCoeff());
+  int exponent = kFinestStep;
+  while (exponent < kCoarsestStep &&
+         std::lround(std::ldexp(static_cast<double>(farthest), -exponent)) > static_cast<long>(kMostSteps))
+    ++exponent;
+  return exponent;
+}
+
+void put_keyframe(std::vector<std::uint8_t>& out, const ArchivedKeyframe& keyframe) {
+  const PointCloud& points = *keyframe.points;
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (is_finite(points, i)) kept.push_back(i);
+  const int exponent = step_exponent(points);
+  put(out, bits_of<std::uint64_t>(keyframe.utime));
+  put_pose(out, keyframe.map_from_body);
+  put(out, bits_of<std::uint32_t>(keyframe.reach));
+  put(out, bits_of<std::uint32_t>(exponent));
+  put(out, static_cast<std::uint32_t>(kept.size()));
+  for (const auto* axis : {&points.x, &points.y, &points.z}) {
+    for (const std::size_t i : kept) {
+      const double steps = std::round(std::ldexp(static_cast<double>((*axis)[i]), -exponent));
+      put(out, bits_of<std::uint16_t>(static_cast<std::int16_t>(std::clamp(steps, -kMostSteps, kMostSteps))));
+    }
+  }
+}
+
+/// Reads numbers off bytes; whoever asks for more than there is gets an error that says where and for what.
+class MapReader {
+ public:
+  MapReader(const std::vector<std::uint8_t>& bytes, std::string name)
+      : bytes_(bytes), end_(bytes.size()), name_(std::move(name)) {}
+
+  [[noreturn]] void fail(std::size_t at, const std::string& what) const {
+    throw std::runtime_error(name_ + ": byte " + std::to_string(at) + ": " + what);
+  }
+  void need(std::uint64_t count, const char* what) const {
+    if (count > end_ - at_) {
+      fail(at_, std::string(what) + " would take " + std::to_string(count) + " bytes, " +
+                    std::to_string(end_ - at_) + " are left");
+    }
+  }
+  template <typename Unsigned>
+  Unsigned get(const char* what) {
+    need(sizeof(Unsigned), what);
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < sizeof(Unsigned); ++i)
+      value |= static_cast<std::uint64_t>(bytes_[at_ + i]) << (8 * i);
+    at_ += sizeof(Unsigned);
+    return static_cast<Unsigned>(value);
+  }
+  std::size_t at() const { return at_; }
+  std::size_t left() const { return end_ - at_; }
+  void set_end(std::size_t end) { end_ = end; }
+
+ private:
+  const std::vector<std::uint8_t>& bytes_;
+  std::size_t at_ = 0, end_;
+  std::string name_;
+};
+
+void read_header(MapReader& reader, const std::vector<std::uint8_t>& bytes) {
+  for (const std::uint8_t expected : kMagic) {
+    const std::size_t at = reader.at();
+    if (reader.left() == 0 || reader.get<std::uint8_t>("the mark of a map file") != expected)
+      reader.fail(at, "not a scanlock map");
+  }
+  const std::size_t at = reader.at();
+  const auto version = reader.get<std::uint32_t>("the version");
+  if (version != kMapVersion) {
+    reader.fail(at, "version " + std::to_string(version) + " of the map file; this program reads version " +
+                        std::to_string(kMapVersion) +
+                        (version > kMapVersion ? ", a newer one is needed" : ""));
+  }
+  const auto body = reader.get<std::uint64_t>("the size of the body");
+  const std::size_t there = reader.left();
+  if (there < kChecksumBytes || body != there - kChecksumBytes) {
+    reader.fail(at + 4, "a body of " + std::to_string(body) + " bytes and a checksum of " +
+                            std::to_string(kChecksumBytes) + " are announced, " + std::to_string(there) +
+                            " are there: the file is " +
+                            (there < kChecksumBytes || body > there - kChecksumBytes ? "cut" : "too long"));
+  }
+  const std::size_t end = bytes.size() - kChecksumBytes;
+  std::uint32_t expected = 0;
+  for (std::size_t i = 0; i < kChecksumBytes; ++i)
+    expected |= static_cast<std::uint32_t>(bytes[end + i]) << (8 * i);
+  if (crc32(bytes.data(), end) != expected)
+    reader.fail(end, "the checksum does not fit: the file is damaged");
+  reader.set_end(end);
+}
+
+Pose read_pose(MapReader& reader, const char* what) {
+  const std::size_t at = reader.at();
+  reader.need(kPoseBytes, what);
+  Pose pose = Pose::Identity();
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column)
+      pose.matrix()(row, column) = bits_of<double>(reader.get<std::uint64_t>(what));
+  const Eigen::Matrix3d rotation = pose.linear();
+  constexpr double kTolerance = 1e-6;
+  const bool good = pose.matrix().allFinite() && rotation.determinant() > 0 &&
+                    (rotation * rotation.transpose()).isApprox(Eigen::Matrix3d::Identity(), kTolerance);
+  if (!good) reader.fail(at, std::string(what) + " is no rigid pose");
+  return pose;
+}
+
+ArchivedKeyframe read_keyframe(MapReader& reader) {
+  ArchivedKeyframe keyframe;
+  reader.need(kKeyframeBytes, "a keyframe");
+  keyframe.utime = bits_of<std::int64_t>(reader.get<std::uint64_t>("a time"));
+  keyframe.map_from_body = read_pose(reader, "the pose of a keyframe");
+  std::size_t at = reader.at();
+  keyframe.reach = bits_of<float>(reader.get<std::uint32_t>("a reach"));
+  if (!(std::isfinite(keyframe.reach) && keyframe.reach >= 0)) reader.fail(at, "the reach is no length");
+  at = reader.at();
+  const int exponent = bits_of<std::int32_t>(reader.get<std::uint32_t>("a step"));
+  if (exponent < kFinestStep || exponent > kCoarsestStep)
+    reader.fail(at, "a step of 2^" + std::to_string(exponent) + " m is none of ours");
+  const std::uint64_t count = reader.get<std::uint32_t>("the number of points");
+  reader.need(count * kPointBytes, "the points");
+  auto points = std::make_shared<PointCloud>();
+  for (auto* axis : {&points->x, &points->y, &points->z}) {
+    axis->reserve(static_cast<std::size_t>(count));
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const auto steps = bits_of<std::int16_t>(reader.get<std::uint16_t>("a coordinate"));
+      axis->push_back(static_cast<float>(std::ldexp(static_cast<double>(steps), exponent)));
+    }
+  }
+  keyframe.points = std::move(points);
+  return keyframe;
+}
+
+/// Another file's name in a command must not cost that file.
+void refuse_other_files(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) == 0) return;
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, kMagic.size()> start{};
+  file.read(start.data(), start.size());
+  if (!file || std::memcmp(start.data(), kMagic.data(), kMagic.size()) != 0)
+    throw std::runtime_error(path + ": is there and is not a scanlock map; it is not overwritten");
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode_map(const SavedMap& map) {
+  std::vector<std::uint8_t> out(kMagic.begin(), kMagic.end());
+  std::size_t bytes = kHeaderBytes + kPoseBytes + 8 + kChecksumBytes;
+  for (const ArchivedKeyframe& keyframe : map.keyframes)
+    bytes += kKeyframeBytes + kPointBytes * keyframe.points->size();
+  out.reserve(bytes);
+  put(out, kMapVersion);
+  put(out, std::uint64_t{0});  // known at the end
+  put(out, map.epoch);
+  put_pose(out, map.last_pose);
+  put(out, static_cast<std::uint32_t>(map.keyframes.size()));
+  for (const ArchivedKeyframe& keyframe : map.keyframes) put_keyframe(out, keyframe);
+  const std::uint64_t body = out.size() - kHeaderBytes;
+  for (std::size_t i = 0; i < sizeof body; ++i) out[12 + i] = static_cast<std::uint8_t>(body >> (8 * i));
+  put(out, crc32(out.data(), out.size()));
+  return out;
+}
+
+SavedMap decode_map(const std::vector<std::uint8_t>& bytes, const std::string& name) {
+  MapReader reader(bytes, name);
+  read_header(reader, bytes);
+  SavedMap map;
+  map.epoch = reader.get<std::uint32_t>("the epoch");
+  map.last_pose = read_pose(reader, "the last pose");
+  const std::uint64_t count = reader.get<std::uint32_t>("the number of keyframes");
+  reader.need(count * kKeyframeBytes, "the keyframes");
+  map.keyframes.reserve(static_cast<std::size_t>(count));
+  for (std::uint64_t i = 0; i < count; ++i) map.keyframes.push_back(read_keyframe(reader));
+  if (reader.left() > 0)
+    reader.fail(reader.at(), std::to_string(reader.left()) + " bytes more than the keyframes take");
+  return map;
+}
+
+void write_map(const std::string& path, const SavedMap& map) {
+  refuse_other_files(path);
+  write_file_atomically(path, encode_map(map));
+}
+
+SavedMap read_map(const std::string& path) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (!error && size > kMostBytes)
+    throw std::runtime_error(path + ": has " + std::to_string(size) + " bytes; no scanlock map is so large");
+  return decode_map(read_file_bytes(path), path);
+}
+
+}  // namespace scanlock

@@ -1,0 +1,44 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "odometry/keyframe_archive.hpp"
+
+namespace scanlock {
+
+/// A map file, version 1. All numbers little-endian; a pose is the upper three rows of its matrix, row-major,
+/// as 12 float64.
+///
+///     offset  size  what
+///     0       8     89 53 4C 4D 41 50 0D 0A (".SLMAP" and a line end that text conversions damage)
+///     8       4     version
+///     12      8     bytes of the body
+///     20            body: uint32 epoch, pose last_pose, uint32 keyframes, then of each keyframe
+///                     int64 utime, pose map_from_body, float32 reach, int32 k, uint32 points n,
+///                     int16 x[n], y[n], z[n] in steps of 2^k metres
+///     end - 4 4     CRC-32 of everything before
+///
+/// The step is the smallest power of two that reaches the keyframe's farthest coordinate in 32767 steps, so a
+/// coordinate is kept to half of it: 2 mm where the farthest is 100 m, 0.25 mm where it is 15 m. Poses are
+/// kept exactly, and a map that was read is written to the same bytes again.
+constexpr std::uint32_t kMapVersion = 1;
+
+/// Points that are not finite are left out.
+std::vector<std::uint8_t> encode_map(const SavedMap& map);
+
+/// Throws std::runtime_error "NAME: byte N: what is wrong" for content that is no map, of a newer version,
+/// damaged or cut. No size is believed before the bytes for it are there.
+SavedMap decode_map(const std::vector<std::uint8_t>& bytes, const std::string& name);
+
+/// Replaces the file in one step (see `write_file_atomically`). Throws std::runtime_error naming the path;
+/// also when another file than a map is there, which is then left alone.
+void write_map(const std::string& path, const SavedMap& map);
+
+/// Throws std::runtime_error as decode_map, and for a file that cannot be read or has over 1 GB.
+SavedMap read_map(const std::string& path);
+
+}  // namespace scanlock

@@ -1,0 +1,104 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/contest.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace scanlock {
+namespace {
+
+constexpr double kDegree = 3.14159265358979 / 180.0;
+constexpr double kCalmScore = 4.0;  // robust z-score of the energy that a scan must get below
+constexpr int kWins = 3;            // scans in a row
+constexpr int kMissesAllowed = 1;
+constexpr int kPatience = 8;       // scans in which it has to be decided
+constexpr double kClearly = 1.3;   // times the cost of the leader, and
+constexpr double kAtLeast = 0.03;  // that much more: clearly worse
+constexpr double kHopeless = 2.0;  // times the cost: out
+
+}  // namespace
+
+Matrix12 prior_information(double metres, double radians, const Matrix12& covariance) {
+  Matrix12 information = Matrix12::Zero();
+  information.diagonal().head<3>().setConstant(1.0 / (metres * metres));
+  information.diagonal().segment<3>(3).setConstant(1.0 / (radians * radians));
+  Matrix6 velocity = covariance.bottomRightCorner<6, 6>();
+  velocity.diagonal().array() += 0.01;
+  information.bottomRightCorner<6, 6>() = velocity.inverse();
+  return information;
+}
+
+bool near(const Pose& a, const Pose& b, double metres, double radians) {
+  const Pose difference = a.inverse() * b;
+  return difference.translation().norm() < metres && so3_log(difference.linear()).norm() < radians;
+}
+
+Contest::Contest(const std::vector<Pose>& map_from_predicted, int wins) : wins_(wins) {
+  for (const Pose& pose : map_from_predicted) {
+    Place place;
+    place.map_from_predicted = pose;
+    place.tried = wins > 0;
+    places_.push_back(std::move(place));
+  }
+}
+
+void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const MovingPose& predicted,
+                        const Matrix12& covariance, Place& place) const {
+  const double metres = place.tried ? 0.1 : 0.5, radians = (place.tried ? 1.0 : 3.0) * kDegree;
+  MotionPrior prior;
+  prior.mean = {renormalised(place.map_from_predicted * predicted.pose), predicted.twist};
+  prior.information = prior_information(metres, radians, covariance);
+  place.attempt = odometer.align(scan, prior, Reach::kNear);
+  const Pose& found = place.attempt.alignment.moving.pose;
+  place.fits =
+      explains(place.attempt, kCalmScore) && near(found, prior.mean.pose, 3.0 * metres, 3.0 * radians);
+  if (place.fits) {
+    place.map_from_predicted = renormalised(found * predicted.pose.inverse());
+    place.tried = true;
+  } else {
+    ++place.missed;
+  }
+}
+
+Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, const MovingPose& predicted,
+                                const Matrix12& covariance) {
+  const Pose led_by = places_.front().map_from_predicted;
+  const bool led = wins_ > 0;
+  for (Place& place : places_) try_place(odometer, scan, predicted, covariance, place);
+  std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
+    return a.fits != b.fits ? a.fits : a.attempt.cost() < b.attempt.cost();
+  });
+  drop_losers();
+  const Place& leader = places_.front();
+  if (!leader.fits) {
+    wins_ = 0;
+    return leader.missed > kMissesAllowed ? Outcome::kRefuted : Outcome::kOpen;
+  }
+  const bool clear = std::all_of(places_.begin() + 1, places_.end(), [&](const Place& other) {
+    const double cost = leader.attempt.cost();
+    return !other.fits || other.attempt.cost() > std::max(kClearly * cost, cost + kAtLeast);
+  });
+  const bool same = !led || near(led_by, leader.map_from_predicted, 1.0, 6.0 * kDegree);
+  wins_ = !clear ? 0 : same ? wins_ + 1 : 1;
+  if (wins_ >= kWins) return Outcome::kWon;
+  return ++scans_ >= kPatience ? Outcome::kUndecided : Outcome::kOpen;
+}
+
+/// Who has missed too often, is far behind, or has come to stand where a better one is.
+void Contest::drop_losers() {
+  std::vector<Place> left;
+  for (Place& place : places_) {
+    const bool first = left.empty();
+    const bool out = place.missed > kMissesAllowed ||
+                     (!first && left.front().fits &&
+                      place.attempt.cost() > kHopeless * left.front().attempt.cost() + kAtLeast);
+    const bool taken = std::any_of(left.begin(), left.end(), [&](const Place& other) {
+      return near(other.map_from_predicted, place.map_from_predicted, 0.3, 3.0 * kDegree);
+    });
+    if (first || (!out && !taken)) left.push_back(std::move(place));
+  }
+  places_ = std::move(left);
+}
+
+}  // namespace scanlock

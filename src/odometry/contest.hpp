@@ -1,0 +1,54 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "geometry/rigid.hpp"
+#include "odometry/odometer.hpp"
+
+namespace scanlock {
+
+/// Places where a lost robot may be, tried on the scans that follow. One is believed when it explains a few
+/// of them in a row, and clearly better than any other does: two that do equally well are told apart by
+/// neither.
+class Contest {
+ public:
+  enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
+
+  /// Corrections of predicted poses, the favourite first. `wins`: scans that it has explained already.
+  explicit Contest(const std::vector<Pose>& map_from_predicted, int wins = 0);
+
+  /// One more scan, whose predicted state is given. After kWon or kUndecided the contest is over, after
+  /// kRefuted too.
+  Outcome judge(Odometer& odometer, const PreparedScan& scan, const MovingPose& predicted,
+                const Matrix12& covariance);
+
+  /// Of the place that leads, on the last scan.
+  const Attempt& attempt() const { return places_.front().attempt; }
+  const Pose& map_from_predicted() const { return places_.front().map_from_predicted; }
+  std::size_t places() const { return places_.size(); }
+
+ private:
+  struct Place {
+    Pose map_from_predicted;
+    int missed = 0;
+    bool fits = false;  ///< the last scan
+    bool tried = false;
+    Attempt attempt;
+  };
+  void try_place(Odometer& odometer, const PreparedScan& scan, const MovingPose& predicted,
+                 const Matrix12& covariance, Place& place) const;
+  void drop_losers();
+
+  std::vector<Place> places_;  ///< never empty; the leader first
+  int wins_, scans_ = 0;
+};
+
+/// Of a pose known to so much in all directions, and of a velocity with that covariance (its last six).
+Matrix12 prior_information(double metres, double radians, const Matrix12& covariance);
+
+/// Whether two poses differ by less.
+bool near(const Pose& a, const Pose& b, double metres, double radians);
+
+}  // namespace scanlock

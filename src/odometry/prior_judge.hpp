@@ -1,0 +1,52 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "odometry/prior_buffer.hpp"
+#include "odometry/tracker.hpp"
+
+namespace scanlock {
+
+/// Turns what other sensors say of the body into priors for the tracker, which follows the LiDAR, and
+/// compares them with what the scans showed. A source that contradicts the scans again and again is withheld
+/// until it agrees again: one strike for each scan that contradicts, one back for each that agrees.
+class PriorJudge {
+ public:
+  explicit PriorJudge(const Pose& body_from_sensor) : body_from_sensor_(body_from_sensor) {}
+
+  /// For the scan that `sample` was taken for.
+  ScanPrior prior(const PriorSample& sample) const;
+
+  /// What the tracker made of that scan; as the tracker reports it, of the sensor. Returns a sentence when a
+  /// source lost or regained its trust.
+  std::optional<std::string> learn(const PriorSample& sample, const TrackedScan& tracked);
+
+  std::int64_t contradictions() const { return motion_.contradictions + level_.contradictions; }
+  bool trusts_odometry() const { return motion_.trusted; }
+  bool trusts_attitude() const { return level_.trusted; }
+
+ private:
+  struct Trust {
+    bool trusted = true;
+    int strikes = 0;
+    std::int64_t contradictions = 0;
+    /// True when the trust changed.
+    bool count(bool contradicts);
+  };
+  std::optional<Pose> sensor_motion(const PriorSample& sample) const;
+  std::optional<std::string> learn_motion(const PriorSample& sample, const TrackedScan& tracked);
+  std::optional<std::string> learn_level(const PriorSample& sample, const TrackedScan& tracked);
+
+  Pose body_from_sensor_;
+  Trust motion_, level_;
+  bool any_ = false;  ///< the next two are of the scan before
+  PriorSample last_sample_;
+  TrackedScan last_tracked_;
+  std::optional<Eigen::Vector3d> up_;  ///< in the map frame, by the attitude; smoothed
+};
+
+}  // namespace scanlock

@@ -1,0 +1,206 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "daemon/worker.hpp"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <future>
+#include <vector>
+
+#include "../io/temporary_directory.hpp"
+#include "../odometry/room.hpp"
+#include "io/map_file.hpp"
+
+using namespace scanlock;
+
+namespace {
+
+/// A worker on its own thread, its inbox and what came out.
+class Bench {
+ public:
+  explicit Bench(const Config& config) : worker_(config, inbox_, finished_, statistics_) {
+    working_ = std::async(std::launch::async, [this] { worker_.run(); });
+    collecting_ = std::async(std::launch::async, [this] {
+      while (auto finished = finished_.take()) tracked_.push_back(finished->tracked);
+    });
+  }
+  ~Bench() { end(); }
+
+  void scan(std::int64_t number, const PriorSample& prior = {}) {
+    ReceivedScan received;
+    received.prior = prior;
+    received.scan = hall_scan(Pose::Identity(), Vector6::Zero(), 1000000 + 100000 * number, 5);
+    inbox_.put(std::move(received));
+  }
+  void command(CommandKind kind, const std::string& path = "", const Pose& pose = Pose::Identity()) {
+    inbox_.post({0, kind, pose, path});
+  }
+  std::vector<TrackedScan> end() {
+    inbox_.finish();
+    if (working_.valid()) working_.get();
+    if (collecting_.valid()) collecting_.get();
+    return tracked_;
+  }
+  Counters counters() const { return statistics_.report().counters; }
+
+ private:
+  WorkInbox inbox_{8};
+  Slot<FinishedScan> finished_;
+  Statistics statistics_;
+  Worker worker_;
+  std::future<void> working_, collecting_;
+  std::vector<TrackedScan> tracked_;
+};
+
+}  // namespace
+
+TEST_CASE("a pose that is set is that of the body") {
+  Config config;
+  config.daemon.mount.x_m = 1.5;
+  config.daemon.mount.yaw_deg = 90;
+  Vector6 xi;
+  xi << 10, -4, 0.5, 0, 0, 2;
+  const Pose there = se3_exp(xi);
+  Bench bench(config);
+  bench.command(CommandKind::kSetPose, "", there);
+  bench.scan(0);
+  const std::vector<TrackedScan> tracked = bench.end();
+  REQUIRE(tracked.size() == 1);
+  CHECK(tracked[0].map_from_body.isApprox(there, 1e-9));
+  CHECK(bench.counters().commands == 1);
+}
+
+TEST_CASE("a reset begins a new epoch between two scans") {
+  Bench bench{Config{}};
+  bench.scan(0);
+  bench.scan(1);
+  bench.command(CommandKind::kReset);
+  bench.scan(2);
+  const std::vector<TrackedScan> tracked = bench.end();
+  REQUIRE(tracked.size() == 3);
+  CHECK(tracked[1].epoch == tracked[0].epoch);
+  CHECK(tracked[2].epoch > tracked[1].epoch);
+  CHECK(tracked[2].state == TrackingState::kInitialising);
+}
+
+TEST_CASE("a map is saved on command and loaded again") {
+  const TemporaryDirectory folder;
+  Bench bench{Config{}};
+  bench.scan(0);
+  bench.scan(1);
+  bench.command(CommandKind::kSaveMap, folder / "hall.map");
+  bench.scan(2);
+  bench.end();
+  CHECK(bench.counters().commands == 1);
+  const SavedMap map = read_map(folder / "hall.map");
+  REQUIRE(map.keyframes.size() >= 1);
+  CHECK(map.keyframes[0].points->size() > 100);
+
+  Bench again{Config{}};
+  again.command(CommandKind::kLoadMap, folder / "hall.map");
+  again.scan(0);
+  const std::vector<TrackedScan> tracked = again.end();
+  CHECK(again.counters().commands == 1);
+  REQUIRE(tracked.size() == 1);
+  CHECK(tracked[0].epoch > map.epoch);
+}
+
+TEST_CASE("commands that cannot be done are counted and explained and change nothing") {
+  const TemporaryDirectory folder;
+  write_file(folder / "damaged.map", std::string("\x89SLMAP\r\n and so on"));
+  Bench bench{Config{}};
+  bench.scan(0);
+  bench.command(CommandKind::kLoadMap, folder / "missing.map");
+  bench.command(CommandKind::kSaveMap);  // to where?
+  bench.command(CommandKind::kLoadMap, folder / "damaged.map");
+  bench.scan(1);
+  const std::vector<TrackedScan> tracked = bench.end();
+  CHECK(bench.counters().commands == 0);
+  CHECK(bench.counters().commands_rejected == 3);
+  CHECK(bench.counters().last_error.find("damaged.map") != std::string::npos);
+  REQUIRE(tracked.size() == 2);
+  CHECK(tracked[1].state == TrackingState::kTracking);
+  CHECK(tracked[1].epoch == tracked[0].epoch);
+}
+
+TEST_CASE("the configured map is written on exit and found at the next start") {
+  const TemporaryDirectory folder;
+  Config config;
+  config.daemon.map.file = folder / "hall.map";
+  {
+    Bench bench(config);
+    bench.scan(0);
+    bench.scan(1);
+  }
+  const SavedMap map = read_map(config.daemon.map.file);
+  CHECK_FALSE(map.keyframes.empty());
+  Bench again(config);
+  again.scan(0);
+  const std::vector<TrackedScan> tracked = again.end();
+  REQUIRE(tracked.size() == 1);
+  CHECK(tracked[0].epoch > map.epoch);
+}
+
+TEST_CASE("a damaged map stops the start and stays as it is") {
+  const TemporaryDirectory folder;
+  Config config;
+  config.daemon.map.file = folder / "hall.map";
+  {
+    Bench bench(config);
+    for (int i = 0; i < 3; ++i) bench.scan(i);
+  }
+  Bytes bytes = file_bytes(config.daemon.map.file);
+  REQUIRE(bytes.size() > 300);
+  bytes[300] ^= 4;
+  write_file(config.daemon.map.file, bytes);
+  CHECK_THROWS_AS(Bench{config}, std::runtime_error);
+  CHECK(file_bytes(config.daemon.map.file) == bytes);
+}
+
+TEST_CASE("a map that the new one does not continue is kept") {
+  const TemporaryDirectory folder;
+  Config config;
+  config.daemon.map.file = folder / "hall.map";
+  {
+    Bench bench(config);
+    for (int i = 0; i < 3; ++i) bench.scan(i);
+  }
+  const Bytes before = file_bytes(config.daemon.map.file);
+  {
+    Bench bench(config);
+    bench.command(CommandKind::kReset);
+    for (int i = 3; i < 6; ++i) bench.scan(i);
+  }
+  CHECK(file_bytes(folder / "hall.map.old") == before);
+  CHECK(read_map(config.daemon.map.file).keyframes.at(0).utime > 1000000 + 100000 * 2);
+}
+
+TEST_CASE("a map that could not be saved later is an error at the start") {
+  Config config;
+  config.daemon.map.file = "/nonexistent/folder/hall.map";
+  CHECK_THROWS_AS(Bench{config}, std::runtime_error);
+}
+
+TEST_CASE("without a scan no map file appears") {
+  const TemporaryDirectory folder;
+  Config config;
+  config.daemon.map.file = folder / "hall.map";
+  { Bench bench(config); }
+  CHECK_FALSE(std::filesystem::exists(config.daemon.map.file));
+}
+
+TEST_CASE("odometry that contradicts the scans is reported and the pose stays") {
+  Bench bench{Config{}};
+  for (int i = 0; i < 12; ++i) {
+    PriorSample prior;
+    prior.odometry = Pose(Eigen::Translation3d(1.0 * i, 0, 0));  // but the robot stands
+    bench.scan(i, prior);
+  }
+  const std::vector<TrackedScan> tracked = bench.end();
+  CHECK(bench.counters().priors_contradicting >= 5);
+  CHECK(bench.counters().last_error.find("odometry prior contradicts the scans") != std::string::npos);
+  REQUIRE(tracked.size() == 12);
+  CHECK(tracked.back().state == TrackingState::kTracking);
+  CHECK(tracked.back().map_from_body.translation().norm() < 0.05);
+}

@@ -1,0 +1,219 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "io/map_file.hpp"
+
+#include <doctest/doctest.h>
+#include <sys/stat.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <random>
+
+#include "io/atomic_file.hpp"
+#include "io/crc32.hpp"
+#include "temporary_directory.hpp"
+
+using namespace scanlock;
+
+namespace {
+
+Pose some_pose(double x) {
+  Vector6 xi;
+  xi << x, -2, 0.5, 0.1, -0.2, 1.3;
+  return se3_exp(xi);
+}
+
+SavedMap some_map(int keyframes, int points) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> uniform(-90, 90);
+  SavedMap map;
+  map.epoch = 3;
+  map.last_pose = some_pose(17);
+  for (int k = 0; k < keyframes; ++k) {
+    auto cloud = std::make_shared<PointCloud>();
+    for (int i = 0; i < points; ++i) cloud->push_back(uniform(random), uniform(random), uniform(random) / 20);
+    map.keyframes.push_back({1700000000000000 + k, some_pose(k), 12.5f + static_cast<float>(k), cloud});
+  }
+  return map;
+}
+
+std::string error_of(const Bytes& bytes) {
+  try {
+    decode_map(bytes, "yard.map");
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// The checksum made to fit again, as only a faulty writer would.
+Bytes sealed(Bytes bytes) {
+  const std::uint32_t sum = crc32(bytes.data(), bytes.size() - 4);
+  for (std::size_t i = 0; i < 4; ++i) bytes[bytes.size() - 4 + i] = static_cast<std::uint8_t>(sum >> (8 * i));
+  return bytes;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("the checksum is that of zip") {
+  const std::string digits = "123456789";
+  CHECK(crc32(reinterpret_cast<const std::uint8_t*>(digits.data()), digits.size()) == 0xCBF43926u);
+  CHECK(crc32(nullptr, 0) == 0);
+}
+
+TEST_CASE("a map comes back poses exactly points to half a step") {
+  const SavedMap map = some_map(5, 200);
+  const SavedMap read = decode_map(encode_map(map), "yard.map");
+  CHECK(read.epoch == 3);
+  CHECK(read.last_pose.matrix() == map.last_pose.matrix());
+  REQUIRE(read.keyframes.size() == 5);
+  for (std::size_t k = 0; k < 5; ++k) {
+    const ArchivedKeyframe &before = map.keyframes[k], &after = read.keyframes[k];
+    CHECK(after.utime == before.utime);
+    CHECK(after.map_from_body.matrix() == before.map_from_body.matrix());
+    CHECK(after.reach == before.reach);
+    REQUIRE(after.points->size() == 200);
+    float worst = 0;
+    for (std::size_t i = 0; i < 200; ++i)
+      worst = std::max(worst, (after.points->point(i) - before.points->point(i)).cwiseAbs().maxCoeff());
+    CHECK(worst <= 0.002f);  // coordinates reach 90 m: steps of 1/256 m
+    CHECK(worst > 0);
+  }
+}
+
+TEST_CASE("a map that was read is written to the same bytes") {
+  const Bytes once = encode_map(some_map(3, 50));
+  CHECK(encode_map(decode_map(once, "yard.map")) == once);
+}
+
+TEST_CASE("an empty map an empty keyframe and points that are not finite") {
+  CHECK(decode_map(encode_map({}), "yard.map").keyframes.empty());
+  SavedMap map = some_map(1, 0);
+  CHECK(decode_map(encode_map(map), "yard.map").keyframes.at(0).points->empty());
+  auto cloud = std::make_shared<PointCloud>();
+  cloud->push_back(1, 2, 3);
+  cloud->push_back(std::nanf(""), 2, 3);
+  cloud->push_back(1, std::numeric_limits<float>::infinity(), 3);
+  map.keyframes[0].points = cloud;
+  const SavedMap read = decode_map(encode_map(map), "yard.map");
+  REQUIRE(read.keyframes[0].points->size() == 1);
+  CHECK((read.keyframes[0].points->point(0) - Eigen::Vector3f(1, 2, 3)).norm() < 1e-3f);
+}
+
+TEST_CASE("the bytes of version 1 stay as they are") {
+  SavedMap map;
+  map.epoch = 2;
+  auto cloud = std::make_shared<PointCloud>();
+  cloud->push_back(1, -2, 0.5f);
+  map.keyframes.push_back({5, Pose::Identity(), 8.0f, cloud});
+  const Bytes bytes = encode_map(map);
+  Bytes expected = {0x89, 'S', 'L', 'M', 'A', 'P', '\r', '\n', 1, 0, 0, 0};
+  const auto append = [&](std::initializer_list<int> more) {
+    for (const int byte : more) expected.push_back(static_cast<std::uint8_t>(byte));
+  };
+  const auto append_identity = [&] {
+    for (int i = 0; i < 12; ++i)
+      i % 5 == 0 ? append({0, 0, 0, 0, 0, 0, 0xF0, 0x3F}) : append({0, 0, 0, 0, 0, 0, 0, 0});
+  };
+  append({226, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0});
+  append_identity();
+  append({1, 0, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0});
+  append_identity();
+  append({0, 0, 0, 0x41});           // 8.0f
+  append({0xF3, 0xFF, 0xFF, 0xFF});  // 2^-13 m: 2 m are 16384 steps
+  append({1, 0, 0, 0});
+  append({0x00, 0x20, 0x00, 0xC0, 0x00, 0x10});
+  append({0xFA, 0x9A, 0x97, 0xD7});  // CRC-32, by zlib
+  CHECK(bytes == expected);
+}
+
+TEST_CASE("what is wrong is named with its byte") {
+  const Bytes good = encode_map(some_map(2, 10));
+  CHECK(error_of(good).empty());
+  CHECK(error_of({}) == "yard.map: byte 0: not a scanlock map");
+  CHECK(error_of({'p', 'l', 'y', '\n'}) == "yard.map: byte 0: not a scanlock map");
+  Bytes newer = good;
+  newer[8] = 9;
+  CHECK(contains(error_of(newer), "byte 8: version 9"));
+  CHECK(contains(error_of(newer), "newer"));
+  Bytes cut(good.begin(), good.end() - 7);
+  CHECK(contains(error_of(cut), "byte 12: "));
+  CHECK(contains(error_of(cut), "cut"));
+  Bytes more = good;
+  more.push_back(0);
+  CHECK(contains(error_of(more), "too long"));
+  Bytes flipped = good;
+  flipped[200] ^= 1;
+  CHECK(contains(error_of(flipped), "byte " + std::to_string(good.size() - 4) + ": the checksum"));
+  Bytes counted = good;
+  counted[20 + 4 + 96] = 200;  // keyframes that are not there, under a fitting checksum
+  CHECK(contains(error_of(sealed(counted)), "the keyframes would take"));
+  Bytes bent = good;
+  bent[20 + 4 + 7] = 0x7F;  // the first element of the last pose
+  CHECK(contains(error_of(sealed(bent)), "byte 24: the last pose is no rigid pose"));
+}
+
+TEST_CASE("no truncation and no flipped bit is taken for a map and none crashes") {
+  const Bytes good = encode_map(some_map(3, 20));
+  for (std::size_t size = 0; size < good.size(); ++size) {
+    const Bytes cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size));
+    REQUIRE_FALSE(error_of(cut).empty());
+  }
+  for (std::size_t byte = 0; byte < good.size(); ++byte) {
+    for (int bit = 0; bit < 8; ++bit) {
+      Bytes flipped = good;
+      flipped[byte] = static_cast<std::uint8_t>(flipped[byte] ^ (1 << bit));
+      REQUIRE_FALSE(error_of(flipped).empty());
+      if (byte < good.size() - 4) error_of(sealed(flipped));  // may be a map; must not crash
+    }
+  }
+}
+
+TEST_CASE("random bytes under a fitting checksum do not crash the reader") {
+  std::mt19937 random(3);
+  for (int round = 0; round < 2000; ++round) {
+    Bytes bytes = encode_map(some_map(2, 5));
+    for (int k = 0; k < 1 + round % 20; ++k) {
+      const std::size_t at = 20 + random() % (bytes.size() - 24);
+      bytes[at] = static_cast<std::uint8_t>(random());
+    }
+    error_of(sealed(bytes));
+  }
+}
+
+TEST_CASE("a map is written and read as a file and nothing is left beside it") {
+  const TemporaryDirectory folder;
+  const SavedMap map = some_map(2, 30);
+  write_map(folder / "yard.map", some_map(1, 3));
+  write_map(folder / "yard.map", map);
+  CHECK(encode_map(read_map(folder / "yard.map")) == encode_map(decode_map(encode_map(map), "")));
+  int files = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder / "")) ++files;
+  CHECK(files == 1);
+  struct stat info = {};
+  REQUIRE(stat((folder / "yard.map").c_str(), &info) == 0);
+  CHECK((info.st_mode & 0400) != 0);
+}
+
+TEST_CASE("a file that is no map is not overwritten a link is followed a missing folder is named") {
+  const TemporaryDirectory folder;
+  write_file(folder / "notes.txt", std::string("precious"));
+  CHECK_THROWS_WITH(
+      write_map(folder / "notes.txt", some_map(1, 1)),
+      ((folder / "notes.txt") + ": is there and is not a scanlock map; it is not overwritten").c_str());
+  CHECK(file_bytes(folder / "notes.txt").size() == 8);
+  write_map(folder / "real.map", some_map(1, 1));
+  std::filesystem::create_symlink(folder / "real.map", folder / "link.map");
+  write_map(folder / "link.map", some_map(2, 2));
+  CHECK(std::filesystem::is_symlink(folder / "link.map"));
+  CHECK(read_map(folder / "real.map").keyframes.size() == 2);
+  CHECK_THROWS(write_map(folder / "none/yard.map", some_map(1, 1)));
+  CHECK_THROWS(write_file_atomically("/dev/null", {1, 2}));
+  CHECK_THROWS(read_map(folder / "missing.map"));
+}
