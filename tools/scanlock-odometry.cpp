@@ -46,7 +46,7 @@ Json summary(const ReplayResult& result) {
             {"lost", state(TrackingState::kLost)},
             {"ambiguous", state(TrackingState::kAmbiguous)},
             {"initialising", state(TrackingState::kInitialising)}}},
-          {"recoveries", 0},
+          {"recoveries", result.recoveries},
           {"false_starts", result.false_starts},
           {"rejected", result.rejected},
           {"bad_times", result.bad_times},

@@ -33,6 +33,7 @@ struct DaemonConfig {
   std::string pose_channel = "POSE_BODY_CORRECTED";
   std::string odometry_channel = "SCANLOCK_ODOMETRY";
   std::string status_channel = "SCANLOCK_STATUS";
+  std::string recovery_channel = "SCANLOCK_RECOVERY";
   std::string rigid_transform_channel;  ///< empty: not published; so are the next two
   std::string nav_odometry_channel;
   std::string pose2d_channel;

@@ -50,6 +50,7 @@ std::vector<ConfigKey> make_table() {
     make_key("output", "pose_channel", &D::pose_channel, "", 0, kMaxChannelLength, "bot_core.pose_t for each scan; empty: not published"),
     make_key("output", "odometry_channel", &D::odometry_channel, "", 0, kMaxChannelLength, "scanlock.odometry_t for each scan; empty: not published"),
     make_key("output", "status_channel", &D::status_channel, "", 0, kMaxChannelLength, "scanlock.status_t each period and at each change of state; empty: not published"),
+    make_key("output", "recovery_channel", &D::recovery_channel, "", 0, kMaxChannelLength, "scanlock.recovery_t at the end of each attempt to come back; empty: not published"),
     make_key("output", "rigid_transform_channel", &D::rigid_transform_channel, "", 0, kMaxChannelLength, "bot_core.rigid_transform_t, for instance BODY_TO_LOCAL; empty: not published"),
     make_key("output", "nav_odometry_channel", &D::nav_odometry_channel, "", 0, kMaxChannelLength, "nav_msgs.Odometry, for instance /odometry#nav_msgs.Odometry; empty: not published"),
     make_key("output", "pose2d_channel", &D::pose2d_channel, "", 0, kMaxChannelLength, "pose2D_t of mbot, for instance SLAM_POSE; empty: not published"),
@@ -77,6 +78,7 @@ std::vector<ConfigKey> make_table() {
     TRACKER(angular_acceleration, "rad/s^2", 0, 10000, "that the robot may well reach; widens the prediction"),
     TRACKER(max_keyframes, "keyframes", 1, 10000, "scans that the map is made of at most"),
     TRACKER(max_map_points, "points", 1000, 20000000, "points that the map holds at most"),
+    TRACKER(max_archive_points, "points", 1000, 200000000, "points of all places that are remembered for coming back to, 12 bytes each; the oldest give way"),
     TRACKER(restart_after_s, "s", 0, 1e6, "a scan earlier than its predecessor by more than this starts anew (a log that loops)"),
   };
 #undef TRACKER

@@ -5,7 +5,9 @@
 #include <array>
 #include <exception>
 #include <future>
+#include <utility>
 
+#include "daemon/background_search.hpp"
 #include "daemon/lcm_url.hpp"
 #include "daemon/mount.hpp"
 #include "daemon/silence.hpp"
@@ -51,9 +53,12 @@ void Daemon::run(const StopSignal& stop) {
 
 void Daemon::work() {
   Tracker tracker(config_.tracker);
+  BackgroundSearch search(is_log_url(input_url(config_.daemon)));
   while (auto received = scans_.take()) {
     try {
+      if (auto answer = search.poll()) tracker.give(std::move(*answer));
       finished_.put(track(tracker, *received));
+      if (auto request = tracker.take_request()) search.start(std::move(*request));
     } catch (const std::exception& error) {  // out of memory, at most; the next scan begins anew
       statistics_.set_error(std::string("a scan could not be tracked: ") + error.what());
       log_line(LogLevel::kError, std::string("a scan could not be tracked, starting anew: ") + error.what());

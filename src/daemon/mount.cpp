@@ -28,6 +28,10 @@ TrackedScan seen_from_body(TrackedScan tracked, const Pose& body_from_sensor) {
   // P_body = M P_sensor M^-1, hence P_sensor exp(xi) becomes P_body exp(Ad(M) xi).
   const Matrix6 to_body = adjoint(body_from_sensor);
   tracked.map_from_body = body_from_sensor * tracked.map_from_body * body_from_sensor.inverse();
+  if (tracked.recovery) {
+    for (Pose* pose : {&tracked.recovery->map_from_body, &tracked.recovery->map_from_predicted})
+      *pose = body_from_sensor * *pose * body_from_sensor.inverse();
+  }
   tracked.twist = to_body * tracked.twist;
   tracked.covariance = to_body * tracked.covariance * to_body.transpose();
   tracked.degenerate_axes = turned_axes(tracked.degenerate_axes, body_from_sensor.linear());

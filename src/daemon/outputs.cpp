@@ -89,12 +89,13 @@ OdometryContext Outputs::context_of(const FinishedScan& finished) {
 
 void Outputs::publish(const FinishedScan& finished) {
   const TrackedScan& tracked = finished.tracked;
-  if (tracked.verdict != ScanVerdict::kTracked) {
+  if (tracked.verdict != ScanVerdict::kTracked) {  // an empty scan still has a pose, the predicted one
     statistics_.count_verdict(tracked.verdict);
     statistics_.set_error("the scan of utime " + std::to_string(tracked.utime) +
                           " was not used: " + to_string(tracked.verdict));
-    return;
+    if (tracked.method != PoseMethod::kPredicted) return;
   }
+  if (tracked.recovery) publish_recovery(*tracked.recovery, tracked.utime);
   publish_poses(tracked, context_of(finished));
   statistics_.count_published(
       std::chrono::duration<double, std::milli>(Clock::now() - finished.arrival).count());
@@ -106,6 +107,13 @@ void Outputs::publish(const FinishedScan& finished) {
   }
   last_ = tracked;
   if (changed) publish_status();
+}
+
+void Outputs::publish_recovery(const Recovery& recovery, std::int64_t utime) {
+  statistics_.count(recovery.accepted ? &Counters::recoveries : &Counters::recovery_failures);
+  log_line(LogLevel::kInfo, std::string("search for the place at utime ") + std::to_string(utime) +
+                                (recovery.accepted ? ", accepted: " : ", not accepted: ") + recovery.reason);
+  send(config_.recovery_channel, encode_recovery(report_of(recovery, utime, recovery_seq_++, !replay_)));
 }
 
 void Outputs::publish_poses(const TrackedScan& tracked, const OdometryContext& context) {
@@ -144,6 +152,8 @@ void Outputs::publish_status() {
   status.nonfinite_points = counters.nonfinite_points;
   status.kernel_drops = counters.kernel_drops;
   status.publish_errors = counters.publish_errors;
+  status.recoveries = counters.recoveries;
+  status.recovery_failures = counters.recovery_failures;
   status.recv_buf_wanted = report.recv_buf_wanted;
   status.recv_buf_granted = report.recv_buf_granted;
   status.keyframes = last_.keyframes;

@@ -39,6 +39,7 @@ class Outputs {
  private:
   bool connect();
   void send(const std::string& channel, const Bytes& message);
+  void publish_recovery(const Recovery& recovery, std::int64_t utime);
   void publish_poses(const TrackedScan& tracked, const OdometryContext& context);
   OdometryContext context_of(const FinishedScan& finished);
 
@@ -50,7 +51,7 @@ class Outputs {
   std::unique_ptr<lcm::LCM> lcm_;
   std::chrono::steady_clock::time_point next_attempt_{};
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  std::int64_t seq_ = 0;
+  std::int64_t seq_ = 0, recovery_seq_ = 0;
   TrackedScan last_;  ///< its state and map figures go into the status
   Throttle failures_{std::chrono::seconds(10)};
 };

@@ -37,6 +37,7 @@ class Replay {
     }
     ++result_.scans;
     const TrackedScan tracked = seen_from_body(tracker_.track(decoded.scan), mount_);
+    if (const auto request = tracker_.take_request()) tracker_.give(finder_.find(*request));
     if (tracked.verdict == ScanVerdict::kDuplicateTime || tracked.verdict == ScanVerdict::kBackwardTime) {
       ++result_.bad_times;
       return;
@@ -61,7 +62,9 @@ class Replay {
  private:
   void record(const TrackedScan& tracked) {
     ++result_.states[static_cast<std::size_t>(tracked.state)];
-    if (tracked.epoch != epoch_) ++result_.false_starts;
+    const bool recovered = tracked.recovery && tracked.recovery->accepted;
+    if (tracked.recovery) ++(recovered ? result_.recoveries : result_.recovery_failures);
+    if (tracked.epoch != epoch_ && !recovered) ++result_.false_starts;
     if (!result_.trajectory.empty() && tracked.epoch == epoch_) {
       result_.distance_m +=
           (tracked.map_from_body.translation() - result_.trajectory.back().pose.translation()).norm();
@@ -73,6 +76,11 @@ class Replay {
     if (!daemon.pose_channel.empty()) {
       writer_->write(tracked.utime, daemon.pose_channel,
                      encode_pose(tracked, twist_frame(daemon.twist_frame)));
+    }
+    if (!daemon.recovery_channel.empty() && tracked.recovery) {
+      writer_->write(
+          tracked.utime, daemon.recovery_channel,
+          encode_recovery(report_of(*tracked.recovery, tracked.utime, recovery_sequence_++, false)));
     }
     if (!daemon.odometry_channel.empty()) {
       OdometryContext context;  // no clock: the same bytes every time
@@ -86,11 +94,12 @@ class Replay {
 
   const Config& config_;
   Tracker tracker_;
+  PlaceFinder finder_;
   Pose mount_;
   std::optional<LogWriter> writer_;
   ReplayResult result_;
   std::uint32_t epoch_ = 0;
-  std::int64_t sequence_ = 0;
+  std::int64_t sequence_ = 0, recovery_sequence_ = 0;
 };
 
 }  // namespace

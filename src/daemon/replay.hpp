@@ -27,6 +27,8 @@ struct ReplayResult {
   std::int64_t bad_times = 0;            ///< scans with a repeated or an earlier utime
   std::array<std::int64_t, 6> states{};  ///< poses by TrackingState
   std::int64_t false_starts = 0;         ///< times the tracker began anew on a jump of the clock
+  std::int64_t recoveries = 0;           ///< global registrations accepted
+  std::int64_t recovery_failures = 0;    ///< and not accepted
   double distance_m = 0;                 ///< way along the trajectory
   std::vector<double> scan_ms;           ///< wall clock of decoding and tracking, each scan
   std::string damage;                    ///< a sentence on the state of the log, or empty

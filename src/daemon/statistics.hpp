@@ -29,6 +29,7 @@ struct Counters {
   std::int64_t nonfinite_points = 0;
   std::int64_t kernel_drops = 0;
   std::int64_t publish_errors = 0;
+  std::int64_t recoveries = 0, recovery_failures = 0;  ///< global registrations, accepted and not
   std::int64_t last_error_utime = 0;
   std::string last_error;
 

@@ -136,6 +136,7 @@ MatchRegistration register_matches(const Matches& matches, const MatchRegistrati
   LevelMatches pruned;
   const LevelMatches* left = &all;
   Incumbent best;
+  best.consensus = std::max(0, options.at_least - 1);
   std::size_t work = 0;
   int bound = static_cast<int>(matches.size());
   if (options.prune) {
@@ -154,6 +155,10 @@ MatchRegistration register_matches(const Matches& matches, const MatchRegistrati
   work += search.work;
   result.nodes += search.nodes;
   result.upper_bound = std::max(best.consensus, std::min(bound, search.upper_bound));
+  if (best.consensus < options.at_least) {
+    result.search_ms = cpu_ms() - start;
+    return result;
+  }
   result.consensus = best.consensus;
   result.certified = result.upper_bound == result.consensus;
   result.target_from_source = frame.pose(best.pose);

@@ -22,6 +22,9 @@ struct MatchRegistrationOptions {
   bool prune = true;                              ///< prune the match set before the search
   double budget_s = std::numeric_limits<double>::infinity();  ///< wall seconds
   std::size_t max_nodes = std::numeric_limits<std::size_t>::max();
+  /// Poses that hold fewer are of no interest: without one that holds so many the consensus is given as 0,
+  /// and the upper bound is at_least - 1 when that is proven.
+  int at_least = 0;
   bool runner_up = true;                       ///< look for the runner-up
   double rival_distance = 1.0;                 ///< metres, at the centre of the source points
   double rival_angle = 0.0872664625997164788;  ///< radians

@@ -9,8 +9,16 @@
 #include "geometry/parallel.hpp"
 
 namespace scanlock {
+namespace {
 
-Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count) {
+constexpr double kUpright = 0.8;  // cosine of 37 degrees
+// Standard deviations of the neighbours about their line, metres:
+constexpr double kThread = 0.03;  // so thin is only the line of a scan pattern
+constexpr double kThin = 0.05;
+
+}  // namespace
+
+Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count, bool lines) {
   Surface surface;
   if (count < 5) return surface;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -30,8 +38,17 @@ Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int co
   const double planarity = std::clamp((deviation[1] - deviation[0]) / deviation[2], 0.0, 1.0);
   const Eigen::Vector3d normal = solver.eigenvectors().col(0);
   surface.normal = normal.cast<float>();
-  surface.offset = static_cast<float>(normal.dot(mean + origin.cast<double>()));
+  surface.centre = mean.cast<float>() + origin;
   surface.weight = static_cast<float>(planarity * planarity);
+  const double linearity = 1.0 - deviation[1] / deviation[2];
+  const Eigen::Vector3d direction = solver.eigenvectors().col(2);
+  const double thickness = std::hypot(deviation[0], deviation[1]);
+  if (lines && linearity > planarity && std::abs(direction.z()) > kUpright && thickness > kThread) {
+    surface.line = true;
+    surface.normal = direction.cast<float>();
+    surface.weight = static_cast<float>(linearity * linearity);
+    surface.scale = static_cast<float>(std::min(1.0, kThin / thickness));
+  }
   return surface;
 }
 
@@ -60,7 +77,14 @@ void LocalSurfaces::prepare(const std::vector<std::int32_t>& indices, int thread
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t at = static_cast<std::size_t>(missing_[i]);
       const int count = tree_->k_nearest(cloud_->point(at), kNeighbours, neighbours, radius_);
-      surfaces_[at] = fit_surface(*cloud_, neighbours, count);
+      Surface surface = fit_surface(*cloud_, neighbours, count, true);
+      // The line of a scan pattern on a wall has others beside it; a trunk has not.
+      if (surface.line) {
+        Neighbour more[3 * kNeighbours];
+        const int wide = tree_->k_nearest(cloud_->point(at), 3 * kNeighbours, more, 2.0f * radius_);
+        if (!fit_surface(*cloud_, more, wide, true).line) surface = fit_surface(*cloud_, neighbours, count);
+      }
+      surfaces_[at] = surface;
     }
   });
 }

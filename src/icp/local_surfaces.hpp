@@ -11,12 +11,14 @@
 
 namespace scanlock {
 
-/// The plane that the neighbourhood of a point lies on: normal . p = offset.
-/// It goes through the centroid of the neighbours, which is less noisy than the point itself.
+/// The plane or the line that the neighbourhood of a point lies on. It goes through the centroid of the
+/// neighbours, which is less noisy than the point itself.
 struct Surface {
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit; its sign means nothing
-  float offset = 0;                                  ///< metres
-  float weight = 0;  ///< 0: no plane there, to 1: flat and spread in both directions
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, of the plane; its sign means nothing
+  Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< metres
+  float weight = 0;   ///< 0: nothing there, to 1: flat and spread in both directions, or straight and thin
+  bool line = false;  ///< `normal` is the direction of a line instead
+  float scale = 1;    ///< of residuals: a thick line says less
 };
 
 /// Surfaces of the points of a map, fitted when they are first asked for: a scan meets only a part of the
@@ -49,8 +51,11 @@ class LocalSurfaces {
 };
 
 /// Fits a surface to the given neighbours of `cloud`; weight 0 when there are fewer than five.
-/// The weight is the square of the planarity (sqrt(l2) - sqrt(l3)) / sqrt(l1) of the neighbourhood's
-/// covariance, l1 >= l2 >= l3.
-Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count);
+/// The weight of a plane is the square of the planarity (sqrt(l2) - sqrt(l3)) / sqrt(l1) of the
+/// neighbourhood's covariance, l1 >= l2 >= l3; that of a line the square of (sqrt(l1) - sqrt(l2)) / sqrt(l1).
+/// With `lines`, what is rather a line is one if it stands upright (z): trunks and poles, which are all that
+/// fixes a heading in a forest. Lines across are left alone, for they are the rings of the sensor and no part
+/// of the scene.
+Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count, bool lines = false);
 
 }  // namespace scanlock

@@ -102,8 +102,9 @@ struct ScanAligner::Workspace final : DescentProblem {
       const float dx = wx[i] - cloud.x[q], dy = wy[i] - cloud.y[q], dz = wz[i] - cloud.z[q];
       const Surface& surface = target->surfaces.at(indices[i]);
       if (surface.weight <= 0 || dx * dx + dy * dy + dz * dz > squared_gate) continue;
-      const float r = surface.normal.x() * wx[i] + surface.normal.y() * wy[i] + surface.normal.z() * wz[i] -
-                      surface.offset;
+      const Eigen::Vector3f off = Eigen::Vector3f(wx[i], wy[i], wz[i]) - surface.centre;
+      const float along = surface.normal.dot(off);
+      const float r = surface.line ? (off - along * surface.normal).norm() : along;
       residuals[i] = r;
       weights[i] = surface.weight;
       explained += surface.weight * welsch_weight(static_cast<double>(r) * r, nu);
@@ -137,13 +138,23 @@ struct ScanAligner::Workspace final : DescentProblem {
       if (weights[i] <= 0) continue;
       const double r = residuals[i];
       const double weight = weights[i] * (robust ? welsch_weight(r * r, nu) : 1.0);
-      const Eigen::Vector3f normal = to_prior * target->surfaces.at(correspondences.indices()[i]).normal;
-      const Eigen::Vector3f w = to_prior * (Eigen::Vector3f(wx[i], wy[i], wz[i]) - origin);
-      Vector6 j;
-      j << normal.cast<double>(), w.cross(normal).cast<double>();
+      const Surface& surface = target->surfaces.at(correspondences.indices()[i]);
+      const Eigen::Vector3f world(wx[i], wy[i], wz[i]), w = to_prior * (world - origin);
       KnotSums& sum = sums[static_cast<std::size_t>(motion.nearest_knot(i))];
-      sum.jj.selfadjointView<Eigen::Lower>().rankUpdate(j, weight);
-      sum.jr += weight * r * j;
+      const auto add = [&](const Eigen::Vector3f& direction, double residual) {
+        const Eigen::Vector3f normal = to_prior * direction;
+        Vector6 j;
+        j << normal.cast<double>(), w.cross(normal).cast<double>();
+        sum.jj.selfadjointView<Eigen::Lower>().rankUpdate(j, weight);
+        sum.jr += weight * residual * j;
+      };
+      if (surface.line) {  // its distance has two components
+        const Eigen::Vector3f a = surface.normal.unitOrthogonal(), b = surface.normal.cross(a);
+        add(a, a.dot(world - surface.centre));
+        add(b, b.dot(world - surface.centre));
+      } else {
+        add(surface.normal, r);
+      }
     }
     hessian->setZero();
     gradient->setZero();
@@ -182,6 +193,13 @@ struct ScanAligner::Workspace final : DescentProblem {
     const double pose = d.head<3>().norm() + arm * d.segment<3>(3).norm();
     const double velocity = d.segment<3>(6).norm() + arm * d.segment<3>(9).norm();
     return motion.still() ? pose : pose + 0.5 * velocity;
+  }
+
+  /// As multiples of what is usual for their surface: off a thick trunk much is.
+  void scale_residuals() {
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      if (weights[i] > 0) residuals[i] *= target->surfaces.at(correspondences.indices()[i]).scale;
+    }
   }
 
   double median_absolute_residual() const {
@@ -234,6 +252,7 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
   result.moving = work.moving(x);
   result.matched = work.matched;
   result.median_residual = work.median_absolute_residual();
+  work.scale_residuals();
   result.searches_made = work.correspondences.searches_made();
   result.searches_saved = work.correspondences.searches_saved();
   return result;

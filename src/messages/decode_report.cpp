@@ -208,6 +208,7 @@ void read_recovery(ByteReader& reader, RecoveryReport& report) {
   report.seq = reader.read_i64("seq");
   report.epoch = reader.read_i32("epoch");
   report.map_from_body = read_pose(reader, "pos", "quat");
+  report.correction = read_pose(reader, "correction_pos", "correction_quat");
   report.energy_before = reader.read_double("energy_before");
   report.energy_after = reader.read_double("energy_after");
   report.matches = reader.read_i32("matches");

@@ -205,6 +205,8 @@ Bytes encode_recovery(const RecoveryReport& report) {
   message.epoch = report.epoch;
   set_vector(report.map_from_body.translation(), message.pos);
   set_quaternion(report.map_from_body, message.quat);
+  set_vector(report.correction.translation(), message.correction_pos);
+  set_quaternion(report.correction, message.correction_quat);
   message.energy_before = report.energy_before;
   message.energy_after = report.energy_after;
   message.matches = report.matches;

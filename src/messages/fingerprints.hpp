@@ -24,7 +24,7 @@ constexpr std::uint64_t kNavOdometry = 0x94e17f94648cf0e4;      // nav_msgs.Odom
 constexpr std::uint64_t kPose2d = 0x1f317af1246276ac;           // mbot_lcm_msgs.pose2D_t
 constexpr std::uint64_t kOdometry = 0x45be9166d28b2ef0;         // scanlock.odometry_t
 constexpr std::uint64_t kStatus = 0x943d3dcbcd9d3158;           // scanlock.status_t
-constexpr std::uint64_t kRecovery = 0x1ebfc1023e201b37;         // scanlock.recovery_t
+constexpr std::uint64_t kRecovery = 0x4ddfc198365ba933;         // scanlock.recovery_t
 constexpr std::uint64_t kCommand = 0x12352c27f5965257;          // scanlock.command_t
 }  // namespace fingerprint
 

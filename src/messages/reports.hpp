@@ -88,6 +88,7 @@ struct RecoveryReport {
   std::int64_t seq = 0;
   std::int32_t epoch = 0;
   Pose map_from_body = Pose::Identity();
+  Pose correction = Pose::Identity();  ///< corrected pose = correction * predicted pose
   double energy_before = 0;
   double energy_after = 0;
   std::int32_t matches = 0;
@@ -102,6 +103,10 @@ struct RecoveryReport {
   float search_ms = 0;
   float total_ms = 0;
 };
+
+/// The recovery that ended with this scan; `seq` counts them. Without `times` nothing in it depends on the
+/// machine.
+RecoveryReport report_of(const Recovery& recovery, std::int64_t utime, std::int64_t seq, bool times);
 
 /// The contents of scanlock.command_t. The numbers are part of the message contract.
 enum class CommandKind : std::int8_t { kSetPose = 1, kReset = 2, kSaveMap = 3, kLoadMap = 4 };

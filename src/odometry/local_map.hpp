@@ -44,6 +44,8 @@ class LocalMap {
   bool empty() const { return keyframes_.empty(); }
   const std::deque<Keyframe>& keyframes() const { return keyframes_; }
   std::size_t size() const { return cloud_.size(); }
+  /// All points, relative to origin().
+  const PointCloud& cloud() const { return cloud_; }
 
   /// Where the floats count from, map frame.
   const Eigen::Vector3d& origin() const { return origin_; }

@@ -7,46 +7,55 @@
 #include <utility>
 
 #include "icp/degeneracy.hpp"
-#include "icp/scan_alignment.hpp"
-#include "odometry/health.hpp"
-#include "odometry/local_map.hpp"
-#include "odometry/motion_filter.hpp"
+#include "odometry/excursion.hpp"
+#include "odometry/odometer.hpp"
+#include "odometry/place_search.hpp"
 #include "odometry/scan_preparation.hpp"
 
 namespace scanlock {
 namespace {
 
 constexpr double kMicro = 1e-6;
-constexpr std::size_t kLeastPoints = 30;  // fewer cannot fix six numbers against outliers
-
-/// A residual's variance as the filter sees it: neighbouring residuals share the error of their surface, so a
-/// scan of thousands of points knows less than as many independent measurements.
-constexpr double kVarianceInflation = 10;
-/// Kernels and gates are this share of the median range, where the voxel is smaller: how far a prediction is
-/// off depends on the scene and the motion, not on the density of the sensor.
-constexpr double kReach = 0.04;
-constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is better
-constexpr double kFirstSigma = 0.03;
-constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on Gaussian residuals
+constexpr double kDegree = 3.14159265358979 / 180.0;
 
 // Trust in an alignment. The score of good ones stays below 5 in streets and rooms; a kidnap gives 10 and
 // more.
 constexpr double kJumpScore = 6.0;
 constexpr double kCalmScore = 4.0;  // hysteresis: what a lost tracker must get below
-constexpr double kLeastOverlap = 0.25;
-constexpr double kMostEnergy = 0.55;  // whatever the history says
-constexpr int kCalmScans = 2;         // in a row, before a lost tracker is believed again
-constexpr int kQuietScans = 5;        // after that, before the map may grow
+constexpr int kConfirmations = 3;   // scans in a row, before a place found is believed
+constexpr int kMissesAllowed = 1;   // of them
+constexpr int kPatience = 20;       // scans in which a lost tracker feels around on each,
+constexpr int kSeldom = 5;          // and after that on every fifth
+constexpr double kFarGate = 2.0;    // metres: a prediction so far off needs the far reach
+constexpr int kQuietScans = 5;      // after that, before the map may grow
+constexpr int kFalseStarts = 3;     // scans that do not fit the first one: it was no good
 constexpr double kCoastSeconds =
-    3.0;  // a lost robot is predicted at its last velocity for so long, then as standing
+    3.0;  // a robot that sees nothing is predicted at its last velocity for so long, then as standing
 
-struct Attempt {
-  ScanAlignment alignment;
-  MotionPrior prior;
-  Health health;
-  /// Unexplained share of the scan.
-  double cost() const { return 1.0 - health.overlap * (1.0 - health.energy); }
+/// Where the robot may be, while it is lost: to be confirmed by the scans that follow.
+struct Candidate {
+  Pose map_from_predicted = Pose::Identity();
+  std::optional<RecoveryAnswer>
+      answer;  ///< of the global search; none: felt by ICP where it must be if nothing happened
+  int confirmed = 0, missed = 0;
+  double energy = 1;
 };
+
+/// Of a pose, translation and rotation alike in all directions; the velocity as given.
+Matrix12 prior_information(double metres, double radians, const Matrix12& covariance) {
+  Matrix12 information = Matrix12::Zero();
+  information.diagonal().head<3>().setConstant(1.0 / (metres * metres));
+  information.diagonal().segment<3>(3).setConstant(1.0 / (radians * radians));
+  Matrix6 velocity = covariance.bottomRightCorner<6, 6>();
+  velocity.diagonal().array() += 0.01;
+  information.bottomRightCorner<6, 6>() = velocity.inverse();
+  return information;
+}
+
+bool near(const Pose& a, const Pose& b, double metres, double radians) {
+  const Pose difference = a.inverse() * b;
+  return difference.translation().norm() < metres && so3_log(difference.linear()).norm() < radians;
+}
 
 }  // namespace
 
@@ -55,171 +64,300 @@ struct Tracker::State {
   std::function<void(Stage)> observer;
 
   VoxelScale scale;
-  LocalMap map;
-  MotionFilter filter;
-  ScanAligner aligner;
-  HealthMonitor health;
-
-  std::int64_t last_utime = 0;
-  double sigma = kFirstSigma;  // metres, of a residual: robust, smoothed
-  Pose last_keyframe_pose = Pose::Identity();
-  KeyframeArchive archive{2000000};
-  Pose origin = Pose::Identity();  // where the first scan stands
-  Keyframe first;                  // its points as they came, until their motion is known
-  std::uint32_t epoch = 0;
+  Odometer odometer;
+  KeyframeArchive archive;
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  // in the map frame
 
   TrackingState state = TrackingState::kInitialising;
+  std::uint32_t epoch = 0;
+  std::int64_t last_utime = 0;
+  bool begun = false;
+  Pose start_pose = Pose::Identity();  // of the first scan
+
   Pose last_trusted_pose = Pose::Identity();
   std::int64_t last_trusted_utime = 0;
   int distrusted_scans = 0;  // in a row
-  int calm_scans = 0;        // in a row, while lost
   int quiet_scans_left = 0;
+
+  // While lost:
+  std::optional<Excursion> excursion;
+  double gate_m = 0, gate_rad = 0;  // how far the prediction may be off where the excursion began
+  double energy_before = 1;
+  std::optional<Candidate> candidate;
+  PlaceSearch search;
 
   explicit State(const TrackerConfig& c)
       : config(c),
         scale(c.map_points_per_scan, c.min_voxel_m, c.max_voxel_m),
-        map({c.max_keyframes, c.max_map_points, c.max_range_m}),
-        filter(c.acceleration, c.angular_acceleration) {}
+        odometer(c),
+        archive(static_cast<std::size_t>(c.max_archive_points)) {}
 
   void finished(Stage stage) const {
     if (observer) observer(stage);
   }
 
-  bool lost() const { return state == TrackingState::kLost; }
-
-  // ---- alignment
-  // ----------------------------------------------------------------------------------------------
-
-  ScanAlignmentOptions options(double reach, bool wide) const {
-    ScanAlignmentOptions result;
-    result.nu_min = kKernel * sigma;
-    result.nu_max = (wide ? 20.0 : 8.0) * reach;
-    result.gate_margin = (wide ? 3.0 : 1.5) * reach;
-    result.sigma = sigma * std::sqrt(kVarianceInflation);
-    result.threads = config.threads;
-    return result;
+  bool lost() const {
+    return state == TrackingState::kRecovering || state == TrackingState::kAmbiguous ||
+           state == TrackingState::kLost;
   }
 
-  Attempt align(const PreparedScan& scan, const MotionPrior& prior, bool wide) {
-    Attempt attempt;
-    attempt.prior = prior;
-    MotionPrior local = prior;  // coordinates of the map are relative to its origin
-    local.mean.pose.translation() -= map.origin();
-    attempt.alignment = aligner.align(scan.source, map.target(), local,
-                                      options(std::max(scan.voxel, kReach * scan.median_range), wide));
-    attempt.alignment.moving.pose.translation() += map.origin();
-    attempt.health = health.assess(aligner.residuals(), aligner.weights(), kKernel * sigma);
-    return attempt;
-  }
+  // ---- on known ground
 
-  static Attempt better(Attempt a, Attempt b) { return b.cost() < a.cost() ? std::move(b) : std::move(a); }
-
-  bool trusted(const Attempt& attempt) const {
-    const Health& h = attempt.health;
-    return attempt.alignment.moving.pose.matrix().allFinite() &&
-           h.score < (lost() ? kCalmScore : kJumpScore) && h.energy < kMostEnergy &&
-           h.overlap > kLeastOverlap && h.inliers >= static_cast<int>(kLeastPoints);
+  void start(std::int64_t utime, const PreparedScan& scan) {
+    odometer.start(utime, scan, start_pose);
+    last_trusted_pose = start_pose;
+    last_trusted_utime = utime;
+    distrusted_scans = 0;
+    state = TrackingState::kInitialising;
   }
 
   /// The prior is strong where the robot does what it did; where that does not explain the scan, it is let go
   /// and a wider kernel tried, from the prediction and from where the robot was last seen.
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
-    Attempt best = align(scan, prior, false);
-    if (trusted(best)) return best;
+    Attempt best = odometer.align(scan, prior, Reach::kNear);
+    if (explains(best, kJumpScore)) return best;
     MotionPrior loose = prior;
     loose.information *= 0.01;
-    MotionPrior standing = loose;
-    standing.mean = {last_trusted_pose, Vector6::Zero()};
-    // A lost tracker tries on every scan: one start each, in turn, keeps it within the time of a scan.
-    const bool try_loose = !lost() || distrusted_scans % 2 == 1, try_standing = !lost() || !try_loose;
-    if (try_loose) best = better(std::move(best), align(scan, loose, true));
-    if (try_standing && !trusted(best)) best = better(std::move(best), align(scan, standing, true));
-    return best;
+    best = better(std::move(best), odometer.align(scan, loose, Reach::kFar));
+    if (explains(best, kJumpScore)) return best;
+    loose.mean = {last_trusted_pose, Vector6::Zero()};
+    return better(std::move(best), odometer.align(scan, loose, Reach::kFar));
   }
 
-  // ---- map
-  // ----------------------------------------------------------------------------------------------------
-
-  void insert_keyframe(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving) {
-    Keyframe keyframe;
-    keyframe.utime = utime;
-    keyframe.map_from_body = moving.pose;
-    keyframe.points = deskewed(scan.fine, moving.twist);
-    if (archive.wants(moving.pose.translation(), scan.median_range))
-      archive.add(utime, moving.pose, scan.median_range, keyframe.points);
-    map.insert(std::move(keyframe), scan.voxel);
-    last_keyframe_pose = moving.pose;
-  }
-
-  bool wants_keyframe(double overlap, double voxel) const {
-    const Pose moved = last_keyframe_pose.inverse() * filter.state().pose;
-    const double distance = moved.translation().norm(), angle = so3_log(moved.linear()).norm();
-    const bool new_ground = overlap < 0.8 && (distance > voxel || angle > 0.05);
-    return distance > 3.0 * voxel || angle > 0.15 || new_ground;
-  }
-
-  // ---- the ways a scan can go
-  // -----------------------------------------------------------------------------------
-
-  void start(const Scan& scan, const PreparedScan& prepared) {
-    filter.start(origin);
-    first.utime = scan.utime;
-    first.points = prepared.fine;
-    insert_keyframe(scan.utime, prepared, filter.state());
-    last_trusted_utime = scan.utime;
-  }
-
-  /// The first scan could not be deskewed before its velocity was known: does it now, and aligns the second
-  /// one again.
-  Attempt deskew_first(const PreparedScan& prepared, Attempt attempt) {
-    PreparedScan again;
-    again.fine = std::move(first.points);
-    again.voxel = prepared.voxel;
-    first.points = {};
-    if (!again.fine.has_times()) return attempt;
-    for (int round = 0; round < 2; ++round) {
-      map.clear();
-      insert_keyframe(first.utime, again, {origin, attempt.alignment.moving.twist});
-      attempt = align(prepared, attempt.prior, false);
+  void track_on(std::int64_t utime, const PreparedScan& scan, const MotionPrior& prior,
+                TrackedScan* tracked) {
+    Attempt attempt = odometer.deskew_first(scan, align_or_retry(scan, prior));
+    finished(Stage::kAlign);
+    if (explains(attempt, kJumpScore)) {
+      believe(utime, scan, attempt);
+      state = TrackingState::kTracking;
+      describe(attempt, PoseMethod::kIcp, tracked);
+      return;
     }
-    return attempt;
+    describe(attempt, PoseMethod::kPredicted, tracked);
+    coast(utime, prior);
+    if (state == TrackingState::kInitialising) {
+      if (distrusted_scans >= kFalseStarts) start(utime, scan);
+      return;
+    }
+    energy_before = attempt.health.energy;
+    begin_or_follow(utime, static_cast<double>(utime - last_utime) * kMicro, scan);
   }
 
-  void accept(const Scan& scan, const Attempt& attempt) {
-    const double seen = std::max(1.4826 * attempt.alignment.median_residual, kLeastSigma);
-    sigma += 0.1 * (std::min(seen, 2.0 * sigma) - sigma);
-    filter.update(attempt.prior, attempt.alignment, sigma * sigma * kVarianceInflation);
+  void believe(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) {
+    odometer.accept(attempt);
     distrusted_scans = 0;
-    if (lost() && ++calm_scans < kCalmScans) return;  // a second scan has to agree first
-    if (lost()) quiet_scans_left = kQuietScans;
-    calm_scans = 0;
-    health.remember(attempt.health.energy);
-    last_trusted_pose = filter.state().pose;
-    last_trusted_utime = scan.utime;
-    state = TrackingState::kTracking;
+    last_trusted_pose = odometer.state().pose;
+    last_trusted_utime = utime;
+    excursion.reset();
+    search.begin_anew();
+    if (quiet_scans_left > 0) {
+      --quiet_scans_left;
+      return;
+    }
+    odometer.keep(utime, scan, attempt.health.overlap);
+    if (archive.wants(last_trusted_pose.translation(), scan.median_range))
+      archive.add(utime, last_trusted_pose, scan.median_range, deskewed(scan.source, odometer.state().twist));
   }
 
   /// Nothing was learnt: the prediction stands in, and is not believed for long.
-  void coast(const Scan& scan, const MotionPrior& prior) {
+  void coast(std::int64_t utime, const MotionPrior& prior) {
     MotionPrior coasting = prior;
-    if (static_cast<double>(scan.utime - last_trusted_utime) * kMicro > kCoastSeconds)
+    if (static_cast<double>(utime - last_trusted_utime) * kMicro > kCoastSeconds)
       coasting.mean.twist.setZero();
-    filter.coast(coasting);
-    calm_scans = 0;
+    odometer.coast(coasting);
     ++distrusted_scans;
-    if (state != TrackingState::kInitialising) {
-      state = distrusted_scans > 1 || lost() ? TrackingState::kLost : TrackingState::kDegraded;
-    }
+    if (state == TrackingState::kInitialising || lost()) return;
+    state = TrackingState::kDegraded;
+    if (distrusted_scans > 1) lose();
   }
 
-  void report(TrackedScan* tracked) const {
+  // ---- lost
+
+  void lose() {
+    state = archive.empty() ? TrackingState::kLost : TrackingState::kRecovering;
+    search.begin(odometer.state().pose.translation());
+  }
+
+  /// Where the excursion begins anew the gate widens by what may have happened unseen.
+  void begin_or_follow(std::int64_t utime, double dt, const PreparedScan& scan) {
+    if (excursion && excursion->follow(utime, dt, scan)) return;
+    if (excursion && candidate) refuse("the scans that followed do not agree among themselves");
+    search.begin_anew();
+    const auto& covariance = odometer.covariance();
+    gate_m = 0.5 + 3.0 * std::sqrt(covariance.diagonal().head<3>().maxCoeff());
+    gate_rad = 3.0 * kDegree + 3.0 * std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
+    if (!excursion) excursion.emplace(config, utime, scan, odometer.state().pose);
+  }
+
+  /// The state follows the excursion: where the robot would be, had it not been lost.
+  /// It knows its way, so that the prediction does not get worse.
+  void follow_excursion() {
+    MotionPrior prior = odometer.predict(0);
+    prior.mean = excursion->state();
+    odometer.coast(prior);
+  }
+
+  void track_lost(std::int64_t utime, double dt, const PreparedScan& scan, TrackedScan* tracked) {
+    if (!excursion) coast(utime, odometer.predict(dt));
+    begin_or_follow(utime, dt, scan);
+    ++distrusted_scans;
+    Attempt attempt;
+    const bool back = candidate ? confirm(scan, &attempt) : feel(scan, &attempt);
+    finished(Stage::kAlign);
+    if (back) {
+      come_back(utime, scan, attempt, tracked);
+      return;
+    }
+    follow_excursion();
+    describe(attempt, PoseMethod::kPredicted, tracked);
+    if (state == TrackingState::kRecovering && archive.empty()) state = TrackingState::kLost;
+  }
+
+  /// Tries where the robot must be if it was only blinded: at the prediction or where it was last seen, in
+  /// turn. What it finds farther off is left to the certificate.
+  bool feel(const PreparedScan& scan, Attempt* attempt) {
+    const bool seldom = distrusted_scans > kPatience && distrusted_scans % kSeldom != 0;
+    if (odometer.empty() || seldom) return false;
+    const bool standing = distrusted_scans % 2 == 0;
+    const MovingPose& predicted = excursion->state();
+    MotionPrior prior;
+    prior.mean = predicted;
+    if (standing) prior.mean.pose = last_trusted_pose;
+    prior.information = prior_information(gate_m, gate_rad, excursion->covariance());
+    *attempt = odometer.align(scan, prior, gate_m < kFarGate ? Reach::kNear : Reach::kFar);
+    const Pose& found = attempt->alignment.moving.pose;
+    const bool plausible = standing ? near(found, last_trusted_pose, 0.5, 5.0 * kDegree)
+                                    : near(found, predicted.pose, gate_m, gate_rad);
+    if (!plausible || !explains(*attempt, kCalmScore)) return false;
+    candidate = Candidate{};
+    candidate->map_from_predicted = renormalised(found * predicted.pose.inverse());
+    candidate->confirmed = 1;
+    return false;
+  }
+
+  /// Whether the scan agrees with the candidate, and by that it is believed.
+  bool confirm(const PreparedScan& scan, Attempt* attempt) {
+    const MovingPose& predicted = excursion->state();
+    const bool first = candidate->confirmed == 0;
+    const double metres = first ? 0.3 : 0.1, radians = (first ? 2.0 : 1.0) * kDegree;
+    MotionPrior prior;
+    prior.mean = {renormalised(candidate->map_from_predicted * predicted.pose), predicted.twist};
+    prior.information = prior_information(metres, radians, excursion->covariance());
+    *attempt = odometer.align(scan, prior, Reach::kNear);
+    const Pose& found = attempt->alignment.moving.pose;
+    candidate->energy = attempt->health.energy;
+    if (!explains(*attempt, kCalmScore) || !near(found, prior.mean.pose, 3.0 * metres, 3.0 * radians)) {
+      if (++candidate->missed > kMissesAllowed)
+        refuse("the scans that followed do not agree with the place found");
+      return false;
+    }
+    candidate->map_from_predicted = renormalised(found * predicted.pose.inverse());
+    return ++candidate->confirmed >= kConfirmations;
+  }
+
+  void refuse(const std::string& why) {
+    if (candidate->answer) {
+      Recovery recovery = recovery_of(*candidate->answer);
+      recovery.reason = why;
+      recovery.energy_after = candidate->energy;
+      ended = recovery;
+    }
+    candidate.reset();
+  }
+
+  void come_back(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt, TrackedScan* tracked) {
+    PoseMethod method = PoseMethod::kIcp;
+    if (candidate->answer) {
+      method = PoseMethod::kGlobal;
+      ++epoch;
+      Recovery recovery = recovery_of(*candidate->answer);
+      recovery.accepted = true;
+      recovery.reason = candidate->answer->reason;
+      recovery.map_from_predicted = candidate->map_from_predicted;
+      recovery.energy_after = attempt.health.energy;
+      ended = recovery;
+    }
+    candidate.reset();
+    quiet_scans_left = kQuietScans;
+    believe(utime, scan, attempt);
+    state = TrackingState::kTracking;
+    describe(attempt, method, tracked);
+  }
+
+  Recovery recovery_of(const RecoveryAnswer& answer) const {
+    Recovery recovery;
+    recovery.search = answer;
+    recovery.map_from_predicted = answer.map_from_predicted;
+    recovery.energy_before = energy_before;
+    return recovery;
+  }
+
+  void take(RecoveryAnswer answer) {
+    if (!search.take(answer.serial) || !lost() || !excursion) return;
+    if (answer.verdict == PlaceVerdict::kFound) {
+      const Pose place = renormalised(answer.map_from_predicted * excursion->state().pose);
+      if (!odometer_covers(place)) {
+        odometer.reload(archive.keyframes(), place.translation(), scale.current(0));
+      }
+      state = TrackingState::kRecovering;
+      candidate = Candidate{};
+      candidate->map_from_predicted = answer.map_from_predicted;
+      candidate->answer = std::move(answer);
+      return;
+    }
+    if (answer.verdict == PlaceVerdict::kAmbiguous) {
+      state = TrackingState::kAmbiguous;
+    } else if (state != TrackingState::kAmbiguous && search.looked_everywhere()) {
+      state = TrackingState::kLost;
+    }
+    Recovery recovery = recovery_of(answer);
+    recovery.reason = answer.reason;
+    ended = recovery;
+  }
+
+  /// Whether the map at hand is one of that place.
+  bool odometer_covers(const Pose& place) const {
+    const auto& keyframes = odometer.map().keyframes();
+    return std::any_of(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) {
+      return (k.map_from_body.translation() - place.translation()).norm() < 0.3 * search.scene();
+    });
+  }
+
+  std::optional<Recovery> ended;  // since the last scan
+
+  // ---- reporting
+
+  void describe(const Attempt& attempt, PoseMethod method, TrackedScan* tracked) const {
+    const bool aligned = method != PoseMethod::kPredicted;
+    tracked->method = method;
+    tracked->stop_reason = !aligned                      ? StopReason::kDiverged
+                           : attempt.alignment.converged ? StopReason::kConverged
+                                                         : StopReason::kIterations;
+    tracked->iterations = attempt.alignment.iterations;
+    tracked->inliers = attempt.health.inliers;
+    tracked->energy = attempt.health.energy;
+    tracked->energy_baseline = attempt.health.baseline;
+    tracked->energy_score = attempt.health.score;
+    if (aligned)
+      tracked->degenerate_axes = find_degeneracy(attempt.alignment.information.topLeftCorner<6, 6>()).axes;
+  }
+
+  void report(TrackedScan* tracked) {
     tracked->state = state;
+    if (tracked->degenerate_axes != 0 && state == TrackingState::kTracking)
+      tracked->state = TrackingState::kDegraded;
     tracked->epoch = epoch;
-    tracked->map_from_body = filter.state().pose;
-    tracked->twist = filter.state().twist;
-    tracked->covariance = filter.covariance().topLeftCorner<6, 6>();
-    tracked->keyframes = static_cast<int>(map.keyframes().size());
-    tracked->map_points = static_cast<int>(map.size());
+    tracked->map_from_body = odometer.state().pose;
+    tracked->twist = odometer.state().twist;
+    tracked->covariance = odometer.covariance().topLeftCorner<6, 6>();
+    tracked->keyframes = static_cast<int>(odometer.map().keyframes().size());
+    tracked->map_points = static_cast<int>(odometer.map().size());
+    if (ended) {
+      ended->epoch = epoch;
+      ended->map_from_body = odometer.state().pose;
+      tracked->recovery = std::exchange(ended, std::nullopt);
+    }
   }
 };
 
@@ -232,75 +370,59 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& /*hints*/) {
   TrackedScan tracked;
   tracked.utime = scan.utime;
   tracked.points_in = static_cast<int>(scan.points.size());
-  const bool begun = !state_->map.empty();
-  const double dt = begun ? static_cast<double>(scan.utime - state_->last_utime) * kMicro : 0.0;
-  if (begun && dt <= 0 && dt >= -state_->config.restart_after_s) {
+  double dt = state_->begun ? static_cast<double>(scan.utime - state_->last_utime) * kMicro : 0.0;
+  if (state_->begun && dt <= 0 && dt >= -state_->config.restart_after_s) {
     tracked.verdict = dt == 0 ? ScanVerdict::kDuplicateTime : ScanVerdict::kBackwardTime;
     tracked.state = state_->state;
     return tracked;
   }
-  if (dt < 0) reset();  // a log that loops: another drive begins
+  if (dt < 0) {  // a log that loops: another drive begins
+    reset();
+    dt = 0;
+  }
   State& s = *state_;
 
   const CroppedScan cropped = crop(scan.points, s.config.min_range_m, s.config.max_range_m);
   const PreparedScan prepared =
-      thin_scan(scan.points, cropped, &s.scale, s.map.empty(), s.config.max_source_points);
+      thin_scan(scan.points, cropped, &s.scale, !s.begun, s.config.max_source_points);
   tracked.points_used = static_cast<int>(prepared.source.size());
   s.finished(Stage::kPreprocess);
   const bool seen = prepared.source.size() >= kLeastPoints;
   if (!seen) tracked.verdict = ScanVerdict::kEmpty;
+  if (!seen && !s.begun) return tracked;
 
-  if (s.map.empty()) {
-    if (!seen) return tracked;
-    s.start(scan, prepared);
-    s.last_utime = scan.utime;
-    s.finished(Stage::kMap);
-    s.report(&tracked);
-    return tracked;
-  }
-
-  const MotionPrior prior = s.filter.predict(dt);
-  s.last_utime = scan.utime;
-  if (!seen) {
-    s.coast(scan, prior);
+  if (!s.begun) {
+    if (s.lost()) {
+      s.begin_or_follow(scan.utime, 0, prepared);
+    } else {
+      s.start(scan.utime, prepared);
+    }
+    s.begun = true;
+  } else if (!seen) {
+    if (s.excursion) s.excursion->coast(dt);
+    s.coast(scan.utime, s.odometer.predict(dt));
     tracked.method = PoseMethod::kPredicted;
     tracked.stop_reason = StopReason::kTooFewPoints;
-    s.report(&tracked);
-    return tracked;
-  }
-
-  Attempt attempt = s.align_or_retry(prepared, prior);
-  if (!s.first.points.empty()) attempt = s.deskew_first(prepared, std::move(attempt));
-  s.finished(Stage::kAlign);
-  const bool trusted = s.trusted(attempt);
-  if (trusted) {
-    s.accept(scan, attempt);
+  } else if (s.lost()) {
+    s.track_lost(scan.utime, dt, prepared, &tracked);
   } else {
-    s.coast(scan, prior);
+    s.track_on(scan.utime, prepared, s.odometer.predict(dt), &tracked);
   }
+  s.last_utime = scan.utime;
+  s.search.note_scene(prepared.median_range);
   s.report(&tracked);
-  tracked.method = trusted ? PoseMethod::kIcp : PoseMethod::kPredicted;
-  tracked.stop_reason = !trusted                      ? StopReason::kDiverged
-                        : attempt.alignment.converged ? StopReason::kConverged
-                                                      : StopReason::kIterations;
-  tracked.iterations = attempt.alignment.iterations;
-  tracked.inliers = attempt.health.inliers;
-  tracked.energy = attempt.health.energy;
-  tracked.energy_baseline = attempt.health.baseline;
-  tracked.energy_score = attempt.health.score;
-  tracked.degenerate_axes = find_degeneracy(attempt.alignment.information.topLeftCorner<6, 6>()).axes;
-  if (tracked.degenerate_axes != 0 && tracked.state == TrackingState::kTracking)
-    tracked.state = TrackingState::kDegraded;
-
-  if (s.state == TrackingState::kTracking) {
-    if (s.quiet_scans_left > 0) {
-      --s.quiet_scans_left;
-    } else if (s.wants_keyframe(attempt.health.overlap, prepared.voxel)) {
-      s.insert_keyframe(scan.utime, prepared, s.filter.state());
-    }
-  }
   s.finished(Stage::kMap);
   return tracked;
+}
+
+std::optional<RecoveryRequest> Tracker::take_request() {
+  State& s = *state_;
+  if (!s.lost() || !s.excursion || s.candidate) return std::nullopt;
+  return s.search.next(s.last_utime, *s.excursion, s.archive, s.up);
+}
+
+void Tracker::give(RecoveryAnswer answer) {
+  state_->take(std::move(answer));
 }
 
 void Tracker::set_stage_observer(std::function<void(Stage)> observer) {
@@ -315,8 +437,21 @@ void Tracker::reset() {
 }
 
 void Tracker::set_pose(const Pose& map_from_body) {
-  reset();
-  state_->origin = map_from_body;
+  State& s = *state_;
+  ++s.epoch;
+  s.candidate.reset();
+  s.excursion.reset();
+  s.search.begin_anew();
+  s.odometer.set_pose(map_from_body);
+  s.start_pose = s.last_trusted_pose = map_from_body;
+  s.begun = false;
+  if (s.archive.wants(map_from_body.translation(), 6.0 * s.search.scene())) {  // unknown ground: a new start
+    s.state = TrackingState::kInitialising;
+    return;
+  }
+  s.odometer.reload(s.archive.keyframes(), map_from_body.translation(), s.scale.current(0));
+  s.lose();
+  s.candidate = Candidate{};
 }
 
 SavedMap Tracker::save() const {
@@ -325,74 +460,17 @@ SavedMap Tracker::save() const {
 
 void Tracker::load(SavedMap saved) {
   reset();
-  state_->epoch = saved.epoch + 1;
-  state_->archive.restore(std::move(saved.keyframes));
+  State& s = *state_;
+  s.epoch = std::max(s.epoch, saved.epoch + 1);
+  s.archive.restore(std::move(saved.keyframes));
+  if (s.archive.empty()) return;
+  s.start_pose = s.last_trusted_pose = saved.last_pose;
+  s.odometer.set_pose(saved.last_pose);
+  s.lose();
 }
 
 PointCloud Tracker::map() const {
-  return state_->map.snapshot();
-}
-
-const char* to_string(TrackingState state) {
-  switch (state) {
-    case TrackingState::kInitialising:
-      return "INITIALISING";
-    case TrackingState::kTracking:
-      return "TRACKING";
-    case TrackingState::kDegraded:
-      return "DEGRADED";
-    case TrackingState::kRecovering:
-      return "RECOVERING";
-    case TrackingState::kAmbiguous:
-      return "AMBIGUOUS";
-    case TrackingState::kLost:
-      return "LOST";
-  }
-  return "?";
-}
-
-const char* to_string(PoseMethod method) {
-  switch (method) {
-    case PoseMethod::kNone:
-      return "none";
-    case PoseMethod::kIcp:
-      return "icp";
-    case PoseMethod::kGlobal:
-      return "global";
-    case PoseMethod::kPredicted:
-      return "predicted";
-  }
-  return "?";
-}
-
-const char* to_string(StopReason reason) {
-  switch (reason) {
-    case StopReason::kNone:
-      return "none";
-    case StopReason::kConverged:
-      return "converged";
-    case StopReason::kIterations:
-      return "iteration limit";
-    case StopReason::kTooFewPoints:
-      return "too few points";
-    case StopReason::kDiverged:
-      return "diverged";
-  }
-  return "?";
-}
-
-const char* to_string(ScanVerdict verdict) {
-  switch (verdict) {
-    case ScanVerdict::kTracked:
-      return "tracked";
-    case ScanVerdict::kEmpty:
-      return "empty";
-    case ScanVerdict::kDuplicateTime:
-      return "duplicate utime";
-    case ScanVerdict::kBackwardTime:
-      return "backward utime";
-  }
-  return "?";
+  return state_->odometer.map().snapshot();
 }
 
 }  // namespace scanlock

@@ -11,6 +11,7 @@
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 #include "odometry/keyframe_archive.hpp"
+#include "odometry/recovery.hpp"
 #include "odometry/tracker_config.hpp"
 
 namespace scanlock {
@@ -53,6 +54,18 @@ const char* to_string(ScanVerdict verdict);
 /// The parts of the work on one scan, for whoever measures them: the tracker itself owns no clock.
 enum class Stage : std::int8_t { kPreprocess = 0, kAlign = 1, kMap = 2 };
 
+/// The end of one attempt to come back, and what it was decided by.
+struct Recovery {
+  RecoveryAnswer search;
+  bool accepted = false;
+  std::string reason;                          ///< why, in words
+  std::uint32_t epoch = 0;                     ///< that an acceptance begins
+  Pose map_from_body = Pose::Identity();       ///< at the scan it is reported with
+  Pose map_from_predicted = Pose::Identity();  ///< what was found to be wrong with the poses before
+  double energy_before = 1;                    ///< of the scan that was lost, 0 to 1
+  double energy_after = 1;                     ///< at the place found, after refinement
+};
+
 /// What one scan led to. Frames: `map` is where the first scan stood; `body` is the sensor at the stamp.
 struct TrackedScan {
   std::int64_t utime = 0;
@@ -75,6 +88,7 @@ struct TrackedScan {
   double energy_score = 0;            ///< robust z-score of the energy against its history
   int keyframes = 0;
   int map_points = 0;
+  std::optional<Recovery> recovery;  ///< one came to its end with this scan
 };
 
 /// What other sensors say of a scan; each is optional, and ignored where it contradicts the scans.
@@ -95,6 +109,12 @@ class Tracker {
 
   /// Never throws for any content of the scan; points that are not finite are skipped.
   TrackedScan track(const Scan& scan, const ScanPrior& prior = {});
+
+  /// The search that the tracker would like to have done now, if any. Where and when it is done is the
+  /// caller's choice: at once in a replay, in another thread in a robot; `give` its answer between two scans.
+  /// One is out at a time.
+  std::optional<RecoveryRequest> take_request();
+  void give(RecoveryAnswer answer);
 
   /// Called at the end of each stage of `track`, for timing.
   void set_stage_observer(std::function<void(Stage)> observer);

@@ -67,6 +67,7 @@ TEST_CASE("status_t and recovery_t come back to the byte") {
   const auto decoded_recovery = decode_recovery(recovery.data(), recovery.size());
   REQUIRE(decoded_recovery.error == "");
   CHECK(decoded_recovery.value.map_from_body.isApprox(sample_recovery().map_from_body, 1e-12));
+  CHECK(decoded_recovery.value.correction.isApprox(sample_recovery().correction, 1e-12));
   CHECK(decoded_recovery.value.reason == "two places are alike");
   recovery_t their_recovery;
   REQUIRE(their_recovery.decode(recovery.data(), 0, static_cast<int>(recovery.size())) ==

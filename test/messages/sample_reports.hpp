@@ -81,6 +81,7 @@ inline RecoveryReport sample_recovery() {
   report.seq = 2;
   report.epoch = 3;
   report.map_from_body = sample_tracked().map_from_body;
+  report.correction = sample_tracked().map_from_body.inverse();
   report.energy_before = 0.9;
   report.energy_after = 0.1;
   report.matches = 400;

@@ -1,0 +1,88 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "global/descriptor_matching.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+namespace scanlock {
+namespace {
+
+constexpr Eigen::Index kBlock = 64;  // rows: a block of distances stays in cache
+
+/// The nearest rows of one descriptor, found in any order of offers.
+class Nearest {
+ public:
+  struct Entry {
+    float distance;
+    std::uint32_t row;
+    bool operator<(const Entry& other) const {
+      return distance != other.distance ? distance < other.distance : row < other.row;
+    }
+  };
+
+  void offer(float distance, std::uint32_t row, std::size_t capacity) {
+    const Entry entry{distance, row};
+    if (entries_.size() == capacity) {
+      if (!(entry < entries_.back())) return;
+      entries_.pop_back();
+    }
+    entries_.insert(std::upper_bound(entries_.begin(), entries_.end(), entry), entry);
+    if (entries_.size() == capacity) bound_ = entries_.back().distance;
+  }
+  float bound() const { return bound_; }
+  bool holds(std::uint32_t row) const {
+    return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.row == row; });
+  }
+  const std::vector<Entry>& entries() const { return entries_; }
+
+ private:
+  std::vector<Entry> entries_;  // nearest first
+  float bound_ = std::numeric_limits<float>::infinity();
+};
+
+}  // namespace
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> mutual_nearest(const Descriptors& a,
+                                                                    const Descriptors& b, int lambda) {
+  if (a.cols() != b.cols()) throw std::invalid_argument("mutual_nearest: descriptors of different lengths");
+  const std::size_t capacity = static_cast<std::size_t>(std::max(lambda, 0));
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  if (capacity == 0 || a.rows() == 0 || b.rows() == 0) return pairs;
+  std::vector<Nearest> of_a(static_cast<std::size_t>(a.rows())), of_b(static_cast<std::size_t>(b.rows()));
+  // About a common mean, so that |a|^2 + |b|^2 - 2 a.b cancels less.
+  const Eigen::RowVectorXf mean = b.colwise().mean();
+  const Descriptors centred_a = a.rowwise() - mean;
+  const Eigen::MatrixXf columns_b = (b.rowwise() - mean).transpose();
+  const Eigen::RowVectorXf squares_b = columns_b.colwise().squaredNorm();
+  std::vector<float> bounds_b(static_cast<std::size_t>(b.rows()), std::numeric_limits<float>::infinity());
+  Descriptors distances;
+  for (Eigen::Index first = 0; first < a.rows(); first += kBlock) {
+    const Eigen::Index rows = std::min(kBlock, a.rows() - first);
+    distances.noalias() = -2.0f * centred_a.middleRows(first, rows) * columns_b;
+    distances.rowwise() += squares_b;
+    distances.colwise() += centred_a.middleRows(first, rows).rowwise().squaredNorm();
+    for (Eigen::Index r = 0; r < rows; ++r) {
+      const std::uint32_t i = static_cast<std::uint32_t>(first + r);
+      const float* row = distances.data() + r * distances.cols();
+      Nearest& mine = of_a[i];
+      for (std::uint32_t j = 0; j < of_b.size(); ++j) {
+        if (row[j] <= mine.bound()) mine.offer(row[j], j, capacity);
+        if (row[j] <= bounds_b[j]) {
+          of_b[j].offer(row[j], i, capacity);
+          bounds_b[j] = of_b[j].bound();
+        }
+      }
+    }
+  }
+  for (std::uint32_t i = 0; i < of_a.size(); ++i) {
+    for (const Nearest::Entry& entry : of_a[i].entries()) {
+      if (of_b[entry.row].holds(i)) pairs.emplace_back(i, entry.row);
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+}  // namespace scanlock

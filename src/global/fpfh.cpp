@@ -1,0 +1,135 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "global/fpfh.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+namespace scanlock {
+namespace {
+
+constexpr int kBins = kFpfhSize / 3;
+constexpr int kMiddle = kBins / 2;
+
+/// Sines and cosines of the borders between bins of the angle, from the middle bin to either side: with them
+/// the bin of an angle is found from its sine and cosine.
+struct AngleBorders {
+  std::array<float, kMiddle> sine{}, cosine{};
+  AngleBorders() {
+    for (int m = 0; m < kMiddle; ++m) {
+      const double border = 3.14159265358979323846 * (2 * m + 1) / kBins;
+      sine[m] = static_cast<float>(std::sin(border));
+      cosine[m] = static_cast<float>(std::cos(border));
+    }
+  }
+  int bin(float s, float c) const {
+    int steps = 0;
+    for (int m = 0; m < kMiddle; ++m) steps += std::abs(s) * cosine[m] >= c * sine[m];
+    return s >= 0 ? kMiddle + steps : kMiddle - steps;
+  }
+};
+
+/// Of a value in [-1, 1].
+int linear_bin(float value) {
+  return std::clamp(static_cast<int>(static_cast<float>(kBins) * (value + 1.0f) * 0.5f), 0, kBins - 1);
+}
+
+struct PairBins {
+  int f1 = kMiddle, f2 = kMiddle, f3 = kMiddle;  // what three zeros give: for pairs without a frame
+};
+
+/// The three angles between two points with normals, as bins. The same for (a, b) and (b, a): the frame
+/// stands on the point whose normal is nearer to the line between them.
+PairBins pair_bins(const PointCloud& cloud, std::size_t a, std::size_t b, const AngleBorders& borders) {
+  PairBins bins;
+  Eigen::Vector3f d = cloud.point(b) - cloud.point(a);
+  const float length = d.norm();
+  if (!(length > 0)) return bins;
+  Eigen::Vector3f n1 = cloud.normal(a), n2 = cloud.normal(b);
+  const float angle1 = n1.dot(d) / length, angle2 = n2.dot(d) / length;
+  float f3 = angle1;
+  if (std::abs(angle1) < std::abs(angle2)) {
+    std::swap(n1, n2);
+    d = -d;
+    f3 = -angle2;
+  }
+  Eigen::Vector3f v = d.cross(n1);
+  const float v_length = v.norm();
+  if (!(v_length > 0)) return bins;
+  v /= v_length;
+  bins.f1 = borders.bin(n1.cross(v).dot(n2), n1.dot(n2));
+  bins.f2 = linear_bin(v.dot(n2));
+  bins.f3 = linear_bin(f3);
+  return bins;
+}
+
+/// The simplified histograms of all points that some keypoint has in its neighbourhood.
+class SimpleHistograms {
+ public:
+  SimpleHistograms(const PointCloud& cloud, const NeighbourLists& neighbours,
+                   const std::vector<std::uint32_t>& keypoints)
+      : needed_(cloud.size(), 0),
+        rows_(Descriptors::Zero(static_cast<Eigen::Index>(cloud.size()), kFpfhSize)) {
+    for (std::uint32_t keypoint : keypoints) {
+      for (std::uint32_t e = neighbours.begin[keypoint]; e < neighbours.begin[keypoint + 1]; ++e)
+        needed_[neighbours.index[e]] = 1;
+    }
+    const AngleBorders borders;
+    for (std::uint32_t a = 0; a < cloud.size(); ++a) {
+      for (std::uint32_t e = neighbours.begin[a]; e < neighbours.begin[a + 1]; ++e) {
+        const std::uint32_t b = neighbours.index[e];
+        if (b <= a || !(needed_[a] || needed_[b])) continue;
+        const PairBins bins = pair_bins(cloud, a, b, borders);
+        count(a, bins);
+        count(b, bins);
+      }
+    }
+    for (std::uint32_t a = 0; a < cloud.size(); ++a) {
+      if (needed_[a] && neighbours.count(a) > 1)
+        rows_.row(a) *= 100.0f / static_cast<float>(neighbours.count(a) - 1);
+    }
+  }
+
+  const float* row(std::size_t i) const { return rows_.data() + i * kFpfhSize; }
+
+ private:
+  void count(std::uint32_t i, const PairBins& bins) {
+    float* row = rows_.data() + std::size_t{i} * kFpfhSize;
+    row[bins.f1] += 1;
+    row[kBins + bins.f2] += 1;
+    row[2 * kBins + bins.f3] += 1;
+  }
+
+  std::vector<std::uint8_t> needed_;
+  Descriptors rows_;
+};
+
+}  // namespace
+
+Descriptors fpfh(const PointCloud& cloud, const NeighbourLists& neighbours,
+                 const std::vector<std::uint32_t>& keypoints) {
+  if (!keypoints.empty() && !cloud.has_normals())
+    throw std::invalid_argument("fpfh: the cloud has no normals");
+  const SimpleHistograms simple(cloud, neighbours, keypoints);
+  Descriptors result = Descriptors::Zero(static_cast<Eigen::Index>(keypoints.size()), kFpfhSize);
+  for (std::size_t k = 0; k < keypoints.size(); ++k) {
+    float* row = result.data() + k * kFpfhSize;
+    for (std::uint32_t e = neighbours.begin[keypoints[k]]; e < neighbours.begin[keypoints[k] + 1]; ++e) {
+      if (!(neighbours.squared_distance[e] > 0)) continue;
+      const float weight = 1.0f / neighbours.squared_distance[e];
+      const float* other = simple.row(neighbours.index[e]);
+      for (int b = 0; b < kFpfhSize; ++b) row[b] += weight * other[b];
+    }
+    for (int part = 0; part < 3; ++part) {
+      float sum = 0;
+      for (int b = 0; b < kBins; ++b) sum += row[part * kBins + b];
+      for (int b = 0; b < kBins && sum > 0; ++b) row[part * kBins + b] *= 100.0f / sum;
+    }
+  }
+  return result;
+}
+
+}  // namespace scanlock

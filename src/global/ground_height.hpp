@@ -1,0 +1,15 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "geometry/point_cloud.hpp"
+
+namespace scanlock {
+
+/// Each point's height above the lowest point in the square of nine `cell`s (metres) about it, in a levelled
+/// cloud. Unlike z it does not depend on where the origin is. Points are finite.
+std::vector<float> heights_above_ground(const PointCloud& cloud, float cell);
+
+}  // namespace scanlock

@@ -1,0 +1,56 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/excursion.hpp"
+
+#include <utility>
+
+namespace scanlock {
+namespace {
+
+constexpr double kJumpScore = 6.0;  // robust z-score of the energy
+
+}  // namespace
+
+Excursion::Excursion(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan,
+                     const Pose& predicted)
+    : config_(config), odometer_(config) {
+  odometer_.start(utime, scan, predicted);
+}
+
+bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) {
+  const MotionPrior prior = odometer_.predict(dt);
+  Attempt attempt = odometer_.align(scan, prior, Reach::kNear);
+  attempt = odometer_.deskew_first(scan, std::move(attempt));
+  if (!explains(attempt, kJumpScore)) {
+    MotionPrior loose = prior;
+    loose.information *= 0.01;
+    attempt = better(std::move(attempt), odometer_.align(scan, loose, Reach::kFar));
+  }
+  if (!explains(attempt, kJumpScore)) {
+    odometer_.start(utime, scan, prior.mean.pose);
+    scans_ = 1;
+    return false;
+  }
+  odometer_.accept(attempt);
+  odometer_.keep(utime, scan, attempt.health.overlap);
+  ++scans_;
+  return true;
+}
+
+void Excursion::coast(double dt) {
+  odometer_.coast(odometer_.predict(dt));
+}
+
+PointCloud Excursion::submap(double radius, Eigen::Vector3d& centre) const {
+  const PointCloud& cloud = odometer_.map().cloud();
+  centre = odometer_.state().pose.translation();
+  const Eigen::Vector3f here = (centre - odometer_.map().origin()).cast<float>();
+  PointCloud near;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f p = cloud.point(i) - here;
+    if (p.head<2>().squaredNorm() < static_cast<float>(radius * radius)) near.push_back(p);
+  }
+  return near;
+}
+
+}  // namespace scanlock

@@ -1,0 +1,38 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "odometry/odometer.hpp"
+
+namespace scanlock {
+
+/// What a lost robot still knows: how it moves, and what it sees on its way. Odometry over a map of its own,
+/// begun where the robot was believed to be, so that its frame is the predicted map frame.
+class Excursion {
+ public:
+  Excursion(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan, const Pose& predicted);
+
+  /// Follows one scan, `dt` seconds after the last one. A scan that does not fit begins it anew where it was
+  /// predicted: false then.
+  bool follow(std::int64_t utime, double dt, const PreparedScan& scan);
+  /// The same for a scan without points.
+  void coast(double dt);
+
+  const MovingPose& state() const { return odometer_.state(); }
+  const Matrix12& covariance() const { return odometer_.covariance(); }
+  /// Scans since it began.
+  int scans() const { return scans_; }
+
+  /// What it saw within `radius` metres (horizontally) of where it is now: axes of the predicted map frame,
+  /// relative to `centre`, which is set.
+  PointCloud submap(double radius, Eigen::Vector3d& centre) const;
+
+ private:
+  TrackerConfig config_;
+  Odometer odometer_;
+  int scans_ = 1;
+};
+
+}  // namespace scanlock

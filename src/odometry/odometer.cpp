@@ -1,0 +1,143 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/odometer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace scanlock {
+namespace {
+
+/// A residual's variance as the filter sees it: neighbouring residuals share the error of their surface, so a
+/// scan of thousands of points knows less than as many independent measurements.
+constexpr double kVarianceInflation = 10;
+/// Kernels and gates are this share of the median range, where the voxel is smaller: how far a prediction is
+/// off depends on the scene and the motion, not on the density of the sensor.
+constexpr double kReach = 0.04;
+constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is better
+constexpr double kFirstSigma = 0.03;
+constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on Gaussian residuals
+
+constexpr double kLeastOverlap = 0.25;
+constexpr double kMostEnergy = 0.55;  // whatever the history says
+
+}  // namespace
+
+Odometer::Odometer(const TrackerConfig& config)
+    : config_(config),
+      map_({config.max_keyframes, config.max_map_points, config.max_range_m}),
+      filter_(config.acceleration, config.angular_acceleration),
+      sigma_(kFirstSigma) {}
+
+void Odometer::start(std::int64_t utime, const PreparedScan& scan, const Pose& map_from_body) {
+  map_.clear();
+  health_.forget();
+  sigma_ = kFirstSigma;
+  filter_.start(map_from_body);
+  first_.utime = utime;
+  first_.points = scan.fine;
+  insert(utime, scan, filter_.state());
+}
+
+void Odometer::reload(const std::vector<ArchivedKeyframe>& archived, const Eigen::Vector3d& centre,
+                      double voxel) {
+  std::vector<const ArchivedKeyframe*> nearest;
+  for (const ArchivedKeyframe& k : archived) nearest.push_back(&k);
+  const auto distance = [&](const ArchivedKeyframe* k) {
+    return (k->map_from_body.translation() - centre).norm();
+  };
+  std::stable_sort(nearest.begin(), nearest.end(),
+                   [&](const auto* a, const auto* b) { return distance(a) < distance(b); });
+  nearest.resize(std::min(nearest.size(), static_cast<std::size_t>(config_.max_keyframes)));
+  map_.clear();
+  health_.forget();
+  first_.points = {};
+  // The nearest last: the map forgets from the front.
+  for (auto k = nearest.rbegin(); k != nearest.rend(); ++k) {
+    Keyframe keyframe;
+    keyframe.utime = (*k)->utime;
+    keyframe.map_from_body = (*k)->map_from_body;
+    keyframe.points = *(*k)->points;
+    last_keyframe_pose_ = keyframe.map_from_body;
+    map_.insert(std::move(keyframe), voxel);
+  }
+}
+
+ScanAlignmentOptions Odometer::options(double reach_m, Reach reach) const {
+  const bool far = reach == Reach::kFar;
+  ScanAlignmentOptions result;
+  result.nu_min = kKernel * sigma_;
+  result.nu_max = (far ? 20.0 : 8.0) * reach_m;
+  result.gate_margin = (far ? 3.0 : 1.5) * reach_m;
+  result.sigma = sigma_ * std::sqrt(kVarianceInflation);
+  result.threads = config_.threads;
+  return result;
+}
+
+Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reach reach) {
+  Attempt attempt;
+  attempt.prior = prior;
+  MotionPrior local = prior;  // coordinates of the map are relative to its origin
+  local.mean.pose.translation() -= map_.origin();
+  attempt.alignment = aligner_.align(scan.source, map_.target(), local,
+                                     options(std::max(scan.voxel, kReach * scan.median_range), reach));
+  attempt.alignment.moving.pose.translation() += map_.origin();
+  attempt.health = health_.assess(aligner_.residuals(), aligner_.weights(), kKernel * sigma_);
+  return attempt;
+}
+
+Attempt Odometer::deskew_first(const PreparedScan& scan, Attempt attempt) {
+  if (first_.points.empty()) return attempt;
+  PreparedScan again;
+  again.fine = std::move(first_.points);
+  again.voxel = scan.voxel;
+  first_.points = {};
+  if (!again.fine.has_times()) return attempt;
+  const Pose pose = last_keyframe_pose_;
+  for (int round = 0; round < 2; ++round) {
+    map_.clear();
+    insert(first_.utime, again, {pose, attempt.alignment.moving.twist});
+    attempt = align(scan, attempt.prior, Reach::kNear);
+  }
+  return attempt;
+}
+
+void Odometer::accept(const Attempt& attempt) {
+  const double seen = std::max(1.4826 * attempt.alignment.median_residual, kLeastSigma);
+  sigma_ += 0.1 * (std::min(seen, 2.0 * sigma_) - sigma_);
+  filter_.update(attempt.prior, attempt.alignment, sigma_ * sigma_ * kVarianceInflation);
+  health_.remember(attempt.health.energy);
+}
+
+void Odometer::keep(std::int64_t utime, const PreparedScan& scan, double overlap) {
+  if (wants_keyframe(overlap, scan.voxel)) insert(utime, scan, filter_.state());
+}
+
+bool Odometer::wants_keyframe(double overlap, double voxel) const {
+  const Pose moved = last_keyframe_pose_.inverse() * filter_.state().pose;
+  const double distance = moved.translation().norm(), angle = so3_log(moved.linear()).norm();
+  const bool new_ground = overlap < 0.8 && (distance > voxel || angle > 0.05);
+  return distance > 3.0 * voxel || angle > 0.15 || new_ground;
+}
+
+void Odometer::insert(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving) {
+  Keyframe keyframe;
+  keyframe.utime = utime;
+  keyframe.map_from_body = moving.pose;
+  keyframe.points = deskewed(scan.fine, moving.twist);
+  map_.insert(std::move(keyframe), scan.voxel);
+  last_keyframe_pose_ = moving.pose;
+}
+
+bool explains(const Attempt& attempt, double most_score) {
+  const Health& h = attempt.health;
+  return attempt.alignment.moving.pose.matrix().allFinite() && h.score < most_score &&
+         h.energy < kMostEnergy && h.overlap > kLeastOverlap && h.inliers >= static_cast<int>(kLeastPoints);
+}
+
+Attempt better(Attempt a, Attempt b) {
+  return b.cost() < a.cost() ? std::move(b) : std::move(a);
+}
+
+}  // namespace scanlock

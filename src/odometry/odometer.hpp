@@ -1,0 +1,87 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "icp/scan_alignment.hpp"
+#include "odometry/health.hpp"
+#include "odometry/keyframe_archive.hpp"
+#include "odometry/local_map.hpp"
+#include "odometry/motion_filter.hpp"
+#include "odometry/scan_preparation.hpp"
+#include "odometry/tracker_config.hpp"
+
+namespace scanlock {
+
+/// Fewer points cannot fix six numbers against outliers.
+inline constexpr std::size_t kLeastPoints = 30;
+
+/// How far an alignment looks for its surfaces: far where the prediction may be off.
+enum class Reach : std::int8_t { kNear, kFar };
+
+/// One alignment of a scan with the map, and what it is worth.
+struct Attempt {
+  ScanAlignment alignment;
+  MotionPrior prior;
+  Health health;
+  /// Unexplained share of the scan.
+  double cost() const { return 1.0 - health.overlap * (1.0 - health.energy); }
+};
+
+/// A local map, the motion within it, and what alignments with it usually cost: odometry without judgement.
+/// Who owns it decides what is believed. Its frame is where it was started.
+class Odometer {
+ public:
+  explicit Odometer(const TrackerConfig& config);
+
+  /// The scan becomes the map; the velocity is unknown.
+  void start(std::int64_t utime, const PreparedScan& scan, const Pose& map_from_body);
+  /// The map becomes what was archived around `centre` (map frame); the health forgets.
+  void reload(const std::vector<ArchivedKeyframe>& archived, const Eigen::Vector3d& centre, double voxel);
+
+  /// At rest there, the velocity unknown.
+  void set_pose(const Pose& map_from_body) { filter_.start(map_from_body); }
+
+  MotionPrior predict(double dt) const { return filter_.predict(dt); }
+  Attempt align(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
+  /// Aligns with the first scan, after that one's own motion was taken out: possible only once a second one
+  /// shows the velocity. Other attempts come back as they are.
+  Attempt deskew_first(const PreparedScan& scan, Attempt attempt);
+
+  /// The state becomes the outcome, and its energy part of what is usual.
+  void accept(const Attempt& attempt);
+  /// The state becomes the prediction: nothing was learnt.
+  void coast(const MotionPrior& prior) { filter_.coast(prior); }
+  /// The scan joins the map where it shows new ground.
+  void keep(std::int64_t utime, const PreparedScan& scan, double overlap);
+
+  bool empty() const { return map_.empty(); }
+  const LocalMap& map() const { return map_; }
+  const MovingPose& state() const { return filter_.state(); }
+  const Matrix12& covariance() const { return filter_.covariance(); }
+
+ private:
+  ScanAlignmentOptions options(double reach_m, Reach reach) const;
+  void insert(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving);
+  bool wants_keyframe(double overlap, double voxel) const;
+
+  TrackerConfig config_;
+  LocalMap map_;
+  MotionFilter filter_;
+  ScanAligner aligner_;
+  HealthMonitor health_;
+  double sigma_;  ///< metres, of a residual: robust, smoothed
+  Pose last_keyframe_pose_ = Pose::Identity();
+  Keyframe first_;  ///< its points as they came, until their motion is known
+};
+
+/// Whether an alignment explains its scan: enough overlap, and an energy at most `most_score` above what is
+/// usual.
+bool explains(const Attempt& attempt, double most_score);
+
+/// The one that leaves less unexplained.
+Attempt better(Attempt a, Attempt b);
+
+}  // namespace scanlock

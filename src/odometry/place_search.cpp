@@ -1,0 +1,93 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/place_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scanlock {
+namespace {
+
+constexpr int kFirstScans = 6;        // that make the first submap
+constexpr int kLongestPause = 30;     // scans between two requests
+constexpr double kSourceReach = 2.5;  // of the scene's size, radius of what is looked for
+constexpr double kOffset = 20.0;      // metres: how far from a centre the robot is looked for
+constexpr double kVoxel = 0.03;       // of the scene's size
+
+Eigen::Vector3d nearest_place(const KeyframeArchive& archive, const Eigen::Vector3d& centre) {
+  const auto distance = [&](const ArchivedKeyframe& k) {
+    return (k.map_from_body.translation() - centre).norm();
+  };
+  const auto nearest = std::min_element(
+      archive.keyframes().begin(), archive.keyframes().end(),
+      [&](const ArchivedKeyframe& a, const ArchivedKeyframe& b) { return distance(a) < distance(b); });
+  return nearest->map_from_body.translation();
+}
+
+}  // namespace
+
+void PlaceSearch::begin(const Eigen::Vector3d& anchor) {
+  anchor_ = anchor;
+  attempts_ = 0;
+  round_ = 2;
+}
+
+void PlaceSearch::begin_anew() {
+  void_ = true;
+  scans_wanted_ = kFirstScans;
+}
+
+void PlaceSearch::note_scene(double median_range) {
+  if (median_range > 0) scene_ += 0.1 * (median_range - scene_);
+}
+
+std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excursion& excursion,
+                                                 const KeyframeArchive& archive, const Eigen::Vector3d& up) {
+  if (out_ || archive.empty() || excursion.scans() < scans_wanted_) return std::nullopt;
+  const std::vector<Eigen::Vector3d> others = other_centres(archive);
+  round_ = 2 + static_cast<int>(others.size());
+  const int turn = attempts_ % round_;
+
+  RecoveryRequest request;
+  request.serial = ++serial_;
+  request.utime = utime;
+  // The centre is where a sensor was, so that what it saw through is known to be empty.
+  request.target_centre =
+      nearest_place(archive, turn < 2 ? anchor_ : others[static_cast<std::size_t>(turn - 2)]);
+  request.radius = kSourceReach * scene_ + kOffset;
+  request.voxel = kVoxel * scene_;
+  request.places = archive.keyframes();
+  request.source = excursion.submap(kSourceReach * scene_, request.source_centre);
+  request.up = up;
+  request.body_up = excursion.state().pose.linear().col(2);
+  out_ = true;
+  void_ = false;
+  scans_wanted_ = excursion.scans() + std::min(4 * (attempts_ + 1), kLongestPause);
+  return request;
+}
+
+bool PlaceSearch::take(std::int64_t serial) {
+  if (!out_ || serial != serial_) return false;
+  out_ = false;
+  if (void_) return false;
+  ++attempts_;
+  return true;
+}
+
+std::vector<Eigen::Vector3d> PlaceSearch::other_centres(const KeyframeArchive& archive) const {
+  std::vector<Eigen::Vector3d> centres;
+  const auto covered = [&](const Eigen::Vector3d& place) {
+    if ((place - anchor_).norm() < 0.7 * kOffset) return true;
+    return std::any_of(centres.begin(), centres.end(),
+                       [&](const Eigen::Vector3d& c) { return (place - c).norm() < kOffset; });
+  };
+  for (const ArchivedKeyframe& k : archive.keyframes()) {
+    if (!covered(k.map_from_body.translation())) centres.push_back(k.map_from_body.translation());
+  }
+  std::stable_sort(centres.begin(), centres.end(), [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return (a - anchor_).norm() < (b - anchor_).norm();
+  });
+  return centres;
+}
+
+}  // namespace scanlock

@@ -1,0 +1,47 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "odometry/excursion.hpp"
+#include "odometry/keyframe_archive.hpp"
+#include "odometry/recovery.hpp"
+
+namespace scanlock {
+
+/// The order in which a lost robot looks for its place: around where it was last believed to be, again when
+/// it has seen more, then everywhere else it has been, the nearest first, and so on and on with ever longer
+/// pauses.
+class PlaceSearch {
+ public:
+  /// The robot was lost at `anchor` (map frame).
+  void begin(const Eigen::Vector3d& anchor);
+  /// What it has seen so far is void: the next request waits for more, and the answer to an earlier one is
+  /// too late.
+  void begin_anew();
+  /// The size of the scene, metres.
+  void note_scene(double median_range);
+  double scene() const { return scene_; }
+
+  /// The next request, when enough was seen for it and none is out.
+  std::optional<RecoveryRequest> next(std::int64_t utime, const Excursion& excursion,
+                                      const KeyframeArchive& archive, const Eigen::Vector3d& up);
+  /// The answer to a request came in; false when it is too late.
+  bool take(std::int64_t serial);
+  bool looked_everywhere() const { return attempts_ >= 2 && attempts_ >= round_; }
+
+ private:
+  std::vector<Eigen::Vector3d> other_centres(const KeyframeArchive& archive) const;
+
+  Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
+  double scene_ = 10;
+  std::int64_t serial_ = 0;
+  bool out_ = false, void_ = false;
+  int attempts_ = 0;      ///< answered since the robot was lost
+  int round_ = 2;         ///< attempts that look everywhere once
+  int scans_wanted_ = 0;  ///< by the excursion, before the next request
+};
+
+}  // namespace scanlock

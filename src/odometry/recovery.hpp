@@ -1,0 +1,64 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "geometry/point_cloud.hpp"
+#include "geometry/rigid.hpp"
+#include "odometry/keyframe_archive.hpp"
+
+namespace scanlock {
+
+/// Where is this? The recent scans as one cloud, and the part of the map to look for it in. A value: it can
+/// be worked on by another thread while the tracker goes on.
+struct RecoveryRequest {
+  std::int64_t serial = 0;
+  std::int64_t utime = 0;  ///< microseconds, stamp of the newest scan in `source`
+  /// What was seen since the robot got lost, axes of the predicted map frame, relative to `source_centre`.
+  PointCloud source;
+  Eigen::Vector3d source_centre = Eigen::Vector3d::Zero();
+  std::vector<ArchivedKeyframe> places;
+  Eigen::Vector3d target_centre = Eigen::Vector3d::Zero();  ///< map frame
+  double radius = 0;                                        ///< metres about the target centre
+  double voxel = 0;                                         ///< metres, of both
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();            ///< in the map frame
+  /// The z axis of the body, axes of the predicted map frame: at its place it is what it was on the scans
+  /// nearby.
+  Eigen::Vector3d body_up = Eigen::Vector3d::UnitZ();
+};
+
+enum class PlaceVerdict : std::int8_t { kFound, kAmbiguous, kNotHere };
+
+/// What a search found.
+struct RecoveryAnswer {
+  std::int64_t serial = 0;
+  std::int64_t utime = 0;
+  PlaceVerdict verdict = PlaceVerdict::kNotHere;
+  Pose map_from_predicted = Pose::Identity();  ///< corrects predicted poses
+  int matches = 0, matches_kept = 0, consensus = 0, upper_bound = 0, runner_up_consensus = 0;
+  bool certified = false;
+  std::string reason;
+  std::int64_t nodes = 0;
+  double search_ms = 0, total_ms = 0;  ///< CPU
+};
+
+/// Searches places by certified 4DOF registration. Deterministic: the budget counts nodes, not seconds.
+/// Remembers the last target, which is asked for again and again.
+class PlaceFinder {
+ public:
+  PlaceFinder();
+  ~PlaceFinder();
+  PlaceFinder(PlaceFinder&&) noexcept;
+  PlaceFinder& operator=(PlaceFinder&&) noexcept;
+  RecoveryAnswer find(const RecoveryRequest& request);
+
+ private:
+  struct Target;
+  std::unique_ptr<Target> target_;
+};
+
+}  // namespace scanlock

@@ -1,0 +1,53 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Geometry>
+#include <random>
+
+#include "geometry/point_cloud.hpp"
+#include "geometry/rigid.hpp"
+
+namespace scanlock {
+
+/// A yard: ground, boxes of all sizes and some poles, seen from (0, 0, 2). What stands where follows from
+/// `seed`, which points are on it from `sampling`.
+inline PointCloud yard(unsigned seed, unsigned sampling) {
+  std::mt19937 place(seed), sample(sampling);
+  const auto uniform = [](std::mt19937& rng, double low, double high) {
+    return low + (high - low) * static_cast<double>(rng()) / 4294967295.0;
+  };
+  PointCloud cloud;
+  const auto add = [&](double x, double y, double z) {
+    cloud.push_back(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z - 2));
+  };
+  for (int k = 0; k < 12000; ++k)
+    add(uniform(sample, -30, 30), uniform(sample, -30, 30), uniform(sample, 0, 0.02));
+  for (int box = 0; box < 24; ++box) {
+    const double x = uniform(place, -28, 28), y = uniform(place, -28, 28), turn = uniform(place, 0, 6.28);
+    const double a = uniform(place, 0.5, 4), b = uniform(place, 0.5, 4), h = uniform(place, 0.5, 6);
+    for (int k = 0; k < 700; ++k) {
+      const double side = uniform(sample, -1, 1), z = uniform(sample, 0, h);
+      const double u = k % 2 == 0 ? side * a : (k % 4 == 1 ? a : -a);
+      const double v = k % 2 == 0 ? (k % 4 == 0 ? b : -b) : side * b;
+      add(x + std::cos(turn) * u - std::sin(turn) * v, y + std::sin(turn) * u + std::cos(turn) * v, z);
+    }
+  }
+  return cloud;
+}
+
+inline PointCloud moved(const PointCloud& cloud, const Pose& pose) {
+  PointCloud result;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    result.push_back(Eigen::Vector3f((pose * cloud.point(i).cast<double>()).cast<float>()));
+  return result;
+}
+
+inline Pose level_pose(double yaw, double x, double y, double z) {
+  Pose pose = Pose::Identity();
+  pose.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(x, y, z);
+  return pose;
+}
+
+}  // namespace scanlock

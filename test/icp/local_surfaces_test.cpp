@@ -1,0 +1,70 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "icp/local_surfaces.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace scanlock;
+
+namespace {
+
+/// The half of a trunk that faces the sensor at the origin, in rings.
+PointCloud trunk(double radius, double ring_spacing, bool upright) {
+  PointCloud cloud;
+  for (int ring = -4; ring <= 4; ++ring) {
+    for (double a = 2.0; a < 4.3; a += 0.5) {
+      const double x = 5 + radius * std::cos(a), y = radius * std::sin(a), along = ring * ring_spacing;
+      if (upright) {
+        cloud.push_back(static_cast<float>(x), static_cast<float>(y), static_cast<float>(along));
+      } else {
+        cloud.push_back(static_cast<float>(x), static_cast<float>(along), static_cast<float>(y));
+      }
+    }
+  }
+  return cloud;
+}
+
+Surface surface_at(const PointCloud& cloud, std::int32_t index, float radius) {
+  KdForest tree;
+  tree.rebuild(cloud);
+  LocalSurfaces surfaces;
+  surfaces.reset(cloud, tree, radius);
+  surfaces.prepare({index}, 1);
+  return surfaces.at(index);
+}
+
+}  // namespace
+
+TEST_CASE("a trunk is an upright line and a log is none") {
+  const Surface line = surface_at(trunk(0.1, 0.3, true), 22, 2);
+  REQUIRE(line.line);
+  CHECK(std::abs(line.normal.z()) > 0.99f);
+  CHECK(line.weight > 0.3f);
+  CHECK(std::abs(line.centre.x() - 5) < 0.12f);
+  CHECK(std::abs(line.centre.y()) < 0.05f);
+  CHECK_FALSE(surface_at(trunk(0.1, 0.3, false), 22, 2).line);
+}
+
+TEST_CASE("the lines of a scan pattern on a wall are no trunks") {
+  PointCloud wall;
+  for (int column = -10; column <= 10; ++column) {
+    for (int k = -40; k <= 40; ++k)
+      wall.push_back(5.0f + 0.04f * static_cast<float>((k + column) % 2), 0.4f * static_cast<float>(column),
+                     0.03f * static_cast<float>(k));
+  }
+  const Surface surface = surface_at(wall, 10 * 81 + 40, 2);
+  CHECK_FALSE(surface.line);
+}
+
+TEST_CASE("a plane goes through the centre of its neighbours") {
+  PointCloud floor;
+  for (int i = 0; i < 100; ++i)
+    floor.push_back(0.1f * static_cast<float>(i % 10), 0.1f * static_cast<float>(i / 10), -1.5f);
+  const Surface surface = surface_at(floor, 55, 1);
+  CHECK_FALSE(surface.line);
+  CHECK(std::abs(surface.normal.z()) == doctest::Approx(1));
+  CHECK(surface.centre.z() == doctest::Approx(-1.5f));
+  CHECK(surface.weight > 0.5f);
+}
