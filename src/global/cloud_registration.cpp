@@ -27,6 +27,8 @@ constexpr int kGuidedLambda = 10;
 constexpr double kPriceOfContradiction = 2;         // of overlap
 constexpr double kRefuted = 0.12, kHopeless = 0.5;  // contradictions; the latter before the refinement
 constexpr double kClearMargin = 1.3;                // of the consensus over its runner-up
+constexpr double kNoRival = 2;                      // the same
+constexpr int kPreciseMatches = 24;
 constexpr int kPeels = 4;
 constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
 constexpr int kRounds = 8;
@@ -138,6 +140,7 @@ class Registrar {
 
  private:
   CloudRegistration propose();
+  void try_again();
   void attempt(const CloudDescription& source, const CloudDescription& target);
   MatchRegistration search(const Matches& matches, bool runner_up) const;
   void merge(const MatchRegistration& loser, MatchRegistration* best) const;
@@ -301,7 +304,9 @@ void Registrar::attempt(const CloudDescription& source, const CloudDescription& 
     return;
   }
   add_hypothesis(result_.solution.target_from_source, result_.solution.consensus);
-  add_hypothesis(result_.solution.runner_up, result_.solution.runner_up_consensus);
+  // One that half as many matches hold is no rival, and comparing clouds costs more than the search.
+  if (result_.solution.consensus < kNoRival * result_.solution.runner_up_bound)
+    add_hypothesis(result_.solution.runner_up, result_.solution.runner_up_consensus);
   judge();
   if (result_.verdict == GlobalVerdict::kCertain) return;
   look_for_more(matches);
@@ -398,9 +403,27 @@ CloudRegistration Registrar::run() {
     } else {
       attempt(redescribed(source_, 9, 800), redescribed(target_, 9, 800));
     }
-    if (result_.verdict == GlobalVerdict::kCertain) break;
+    if (result_.verdict != GlobalVerdict::kCertain) continue;
+    if (round == 0 && options_.attempts > 1 && result_.solution.consensus < kPreciseMatches) try_again();
+    break;
   }
   return result_;
+}
+
+/// Few matches can make a pose certain, but not precise: more are worth another search, which may also
+/// object.
+void Registrar::try_again() {
+  const CloudRegistration first = result_;
+  attempt(source_, target_);
+  if (result_.verdict != GlobalVerdict::kCertain) {
+    const int attempts = result_.attempts;
+    result_ = first;
+    result_.attempts = attempts;
+  } else if (separation(first.target_from_source, result_.target_from_source, centre_, result_.epsilon) >=
+             1) {
+    result_.verdict = GlobalVerdict::kAmbiguous;
+    result_.why = "more matches lead to another pose: " + numbers();
+  }
 }
 
 }  // namespace
