@@ -120,6 +120,7 @@ int usage(int argc, char** argv, Options& options) {
   for (const auto& [wrong, words] :
        {std::pair{options.chain && is_global(options.method), "the methods of 4dof do not go with --chain"},
         std::pair{is_global(options.method) && !options.init.empty(), "the methods of 4dof take no --init"},
+        std::pair{Eigen::Vector3d(options.up.data()).norm() < 1e-9, "--up must not be 0,0,0"},
         std::pair{!options.chain && !options.more.empty(), "more than two clouds go with --chain"},
         std::pair{!options.chain && !options.poses.empty(), "--poses goes with --chain"},
         std::pair{options.chain && !(options.init + options.truth + options.picture).empty(),

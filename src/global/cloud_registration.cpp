@@ -29,6 +29,8 @@ constexpr double kRefuted = 0.12, kHopeless = 0.5;  // contradictions; the latte
 constexpr double kClearMargin = 1.3;                // of the consensus over its runner-up
 constexpr double kNoRival = 2;                      // the same
 constexpr int kPreciseMatches = 24;
+// Who draws long enough finds what looks right: later match sets have to pass both tests.
+constexpr int kPlainAttempts = 2;
 constexpr int kPeels = 4;
 constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
 constexpr int kRounds = 8;
@@ -359,7 +361,7 @@ void Registrar::judge() {
   } else if (rival) {
     result_.verdict = GlobalVerdict::kAmbiguous;
     result_.why = "another pose fits the clouds about as well: " + numbers();
-  } else if (!strong && !clear) {
+  } else if (result_.attempts > kPlainAttempts ? !strong || !clear : !strong && !clear) {
     result_.verdict = GlobalVerdict::kAmbiguous;
     result_.why = "no pose stands out: " + numbers();
   } else if (!s.certified) {

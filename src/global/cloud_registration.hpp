@@ -35,7 +35,7 @@ struct CloudRegistrationOptions {
   /// means of his own; the verdict then speaks of the matches alone, and nothing is refined with the clouds.
   bool judged = true;
   int lambda = 3;
-  int attempts = 3;                 ///< match sets that are drawn at most
+  int attempts = 2;                 ///< match sets that are drawn at most, see below
   std::size_t max_nodes = 200'000;  ///< of each search; ends it without a certificate
   double budget_s = std::numeric_limits<double>::infinity();  ///< wall seconds of each search
 };
@@ -58,8 +58,9 @@ struct CloudRegistration {
 
 /// Registers two described levelled clouds without an initial guess: matches, the largest consensus, a short
 /// refinement with the clouds, and what the clouds say about it. When they do not confirm it, matches are
-/// drawn again, from more keypoints and from a wider look. Descriptions have the same voxel and options, and
-/// throw std::invalid_argument when not. Deterministic, unless budget_s ends a search.
+/// drawn again, from more keypoints, and third from a wider look (which costs, and seldom helps).
+/// Descriptions have the same voxel and options, and throw std::invalid_argument when not. Deterministic,
+/// unless budget_s ends a search.
 CloudRegistration register_clouds(const CloudDescription& source, const CloudDescription& target,
                                   const CloudRegistrationOptions& options = {});
 
