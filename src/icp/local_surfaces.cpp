@@ -16,6 +16,28 @@ constexpr double kUpright = 0.8;  // cosine of 37 degrees
 constexpr double kThread = 0.03;  // so thin is only the line of a scan pattern
 constexpr double kThin = 0.05;
 
+/// Whether few of the points at the height of a line's own are beside it.
+bool stands_alone(const PointCloud& cloud, const Surface& line, const Neighbour* own, int count,
+                  const Neighbour* around, int around_count) {
+  const auto off = [&](const Neighbour& n) -> Eigen::Vector3f {
+    return cloud.point(static_cast<std::size_t>(n.index)) - line.centre;
+  };
+  float reach = 0, width = 0;
+  for (int k = 0; k < count; ++k) {
+    const float along = line.normal.dot(off(own[k]));
+    reach = std::max(reach, std::abs(along));
+    width = std::max(width, (off(own[k]) - along * line.normal).norm());
+  }
+  int level = 0, beside = 0;
+  for (int k = 0; k < around_count; ++k) {
+    const float along = line.normal.dot(off(around[k]));
+    if (std::abs(along) > reach) continue;
+    ++level;
+    if ((off(around[k]) - along * line.normal).norm() > 1.5f * width) ++beside;
+  }
+  return beside * 5 <= level;
+}
+
 }  // namespace
 
 Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count, bool lines) {
@@ -82,7 +104,8 @@ void LocalSurfaces::prepare(const std::vector<std::int32_t>& indices, int thread
       if (surface.line) {
         Neighbour more[3 * kNeighbours];
         const int wide = tree_->k_nearest(cloud_->point(at), 3 * kNeighbours, more, 2.0f * radius_);
-        if (!fit_surface(*cloud_, more, wide, true).line) surface = fit_surface(*cloud_, neighbours, count);
+        if (!stands_alone(*cloud_, surface, neighbours, count, more, wide))
+          surface = fit_surface(*cloud_, neighbours, count);
       }
       surfaces_[at] = surface;
     }
