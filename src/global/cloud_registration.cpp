@@ -23,6 +23,9 @@ constexpr double kLeastOverlap = 0.3, kMostContradiction = 0.09;
 constexpr double kMostResidual = 0.18;  // voxels
 constexpr double kStrongOverlap = 0.55, kStrongContradiction = 0.03;
 constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
+// Rooms of one building can look alike to half their surfaces, but the walls of the one stand in the free
+// space of the other.
+constexpr double kClearContradiction = 0.04;
 constexpr int kGuidedLambda = 10;
 constexpr double kPriceOfContradiction = 2;         // of overlap
 constexpr double kRefuted = 0.12, kHopeless = 0.5;  // contradictions; the latter before the refinement
@@ -353,7 +356,8 @@ void Registrar::judge() {
     if (score(h.fit) > score(result_.rival_fit)) result_.rival_fit = h.fit;
     rival = rival || !clearly_worse(h.fit, best->fit);
   }
-  const bool clear = first && s.consensus >= kClearMargin * s.runner_up_bound;
+  const bool clear = first && s.consensus >= kClearMargin * s.runner_up_bound &&
+                     best->fit.contradiction <= kClearContradiction;
   const bool strong = best->fit.contradiction <= kStrongContradiction &&
                       best->fit.overlap >= kStrongOverlap && (best->degenerate_axes & kHorizontalAxes) == 0;
   if (!confirmed(best->fit, source_.voxel)) {
