@@ -21,7 +21,7 @@ constexpr double kRivalEpsilons = 4, kRivalAngle = 0.1;
 constexpr int kFewestMatches = 8;  // consensus below which nothing is believed
 constexpr double kLeastOverlap = 0.3, kMostContradiction = 0.09;
 constexpr double kMostResidual = 0.18;  // voxels
-constexpr double kStrongOverlap = 0.55, kStrongContradiction = 0.03;
+constexpr double kStrongOverlap = 0.55, kStrongLeastOverlap = 0.4, kStrongContradiction = 0.03;
 constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
 // Rooms of one building can look alike to half their surfaces, but the walls of the one stand in the free
 // space of the other.
@@ -359,7 +359,8 @@ void Registrar::judge() {
   const bool clear = first && s.consensus >= kClearMargin * s.runner_up_bound &&
                      best->fit.contradiction <= kClearContradiction;
   const bool strong = best->fit.contradiction <= kStrongContradiction &&
-                      best->fit.overlap >= kStrongOverlap && (best->degenerate_axes & kHorizontalAxes) == 0;
+                      best->fit.overlap >= kStrongOverlap && best->fit.least_overlap >= kStrongLeastOverlap &&
+                      (best->degenerate_axes & kHorizontalAxes) == 0;
   if (!confirmed(best->fit, source_.voxel)) {
     result_.why = "the clouds do not confirm any pose: " + numbers();
   } else if (rival) {
