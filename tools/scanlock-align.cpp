@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "align_global.hpp"
 #include "evaluation/alignment_picture.hpp"
 #include "geometry/voxel_grid.hpp"
 #include "icp/cloud_alignment.hpp"
@@ -35,7 +36,9 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string source, target, init, truth, output, picture, poses;
   std::vector<std::string> more;  // clouds of a chain, beyond the second
-  std::string method = "robust-icp-plane";
+  std::string method;             // empty: not given
+  std::vector<double> up = {0, 0, 1};
+  double epsilon = 0;
   double voxel = -1;  // negative: not given
   double nu_max = 0, nu_min = 0;
   int threads = 1;
@@ -66,6 +69,9 @@ constexpr const char* kFooter =
 Normals of .ply and .pcd files are used; where they are missing they are estimated.
 
 icp, aa-icp, fast-icp                      squared distances; plain, accelerated by Euler angles, accelerated in se(3)
+4dof                                       no start needed, clouds levelled: the rotation about --up and the translation
+                                           that most matches of features agree on, with its proof, checked with the clouds
+4dof+robust-icp, 4dof+robust-icp-plane     the same, refined; the former is the default without --init and --chain
 robust-icp                                 Welsch's function, nu falling from 3 medians to the sampling of the target
 icp-plane, fast-icp-plane, robust-icp-plane   the same with distances to tangent planes
 symmetric-icp, robust-symmetric-icp        the same with the normals of both clouds)";
@@ -81,12 +87,18 @@ int usage(int argc, char** argv, Options& options) {
                "register each cloud to the one before it; --output is the map, thinned like the clouds");
   app.add_option("--poses", options.poses,
                  "with --chain: write the poses here, TUM, stamped 0, 1, 2, ..., in the frame of the first");
-  app.add_option("--method", options.method, "see below (default: robust-icp-plane)");
+  app.add_option("--method", options.method,
+                 "see below (default: 4dof+robust-icp; with --init or --chain: robust-icp-plane)");
   app.add_option("--init", options.init, "start from this transform (default: identity)");
   app.add_option("--truth", options.truth, "compare the result with this transform");
   app.add_option("--voxel", options.voxel,
                  "thin both clouds to a point a voxel of so many metres; 0: all points (default: by itself)")
       ->check(CLI::NonNegativeNumber.description(""));
+  app.add_option("--up", options.up, "4dof: the vertical of both clouds (default: 0,0,1)")
+      ->delimiter(',')
+      ->expected(3);
+  app.add_option("--epsilon", options.epsilon, "4dof: inlier threshold, metres (default: from the voxel)")
+      ->check(CLI::PositiveNumber.description(""));
   app.add_option("--nu-max", options.nu_max, "first scale, metres (default: three times the median residual)")
       ->check(CLI::PositiveNumber.description(""));
   app.add_option("--nu-min", options.nu_min, "last scale, metres (default: from the sampling of the target)")
@@ -103,8 +115,13 @@ int usage(int argc, char** argv, Options& options) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  if (options.method.empty())
+    options.method = options.init.empty() && !options.chain ? "4dof+robust-icp" : "robust-icp-plane";
   for (const auto& [wrong, words] :
-       {std::pair{!options.chain && !options.more.empty(), "more than two clouds go with --chain"},
+       {std::pair{options.chain && is_global(options.method), "the methods of 4dof do not go with --chain"},
+        std::pair{is_global(options.method) && !options.init.empty(), "the methods of 4dof take no --init"},
+        std::pair{Eigen::Vector3d(options.up.data()).norm() < 1e-9, "--up must not be 0,0,0"},
+        std::pair{!options.chain && !options.more.empty(), "more than two clouds go with --chain"},
         std::pair{!options.chain && !options.poses.empty(), "--poses goes with --chain"},
         std::pair{options.chain && !(options.init + options.truth + options.picture).empty(),
                   "--init, --truth and --picture do not go with --chain"}}) {
@@ -112,8 +129,9 @@ int usage(int argc, char** argv, Options& options) {
     std::cerr << "scanlock-align: " << words << "\n";
     return 2;
   }
-  if (find_cloud_method(options.method)) return -1;
-  std::string names;
+  const std::string refining = refining_method(options.method);
+  if (refining.empty() || find_cloud_method(refining)) return -1;
+  std::string names = " 4dof 4dof+robust-icp 4dof+robust-icp-plane";
   for (const std::string& name : cloud_method_names()) names += " " + name;
   std::cerr << "scanlock-align: --method " << options.method << " is not known here; known are" << names
             << "\n";
@@ -320,12 +338,20 @@ void run_chain(const Options& options) {
 }
 
 void run(const Options& options) {
-  const CloudMethod method = *find_cloud_method(options.method);
+  const std::string refining = refining_method(options.method);
+  const CloudMethod method = refining.empty() ? CloudMethod{} : *find_cloud_method(refining);
   Stopwatch whole, watch;
   Milliseconds ms;
   PointCloud source_file = read_cloud(options.source), target_file = read_cloud(options.target);
-  const Pose start = options.init.empty() ? Pose::Identity() : read_transform(options.init);
+  Pose start = options.init.empty() ? Pose::Identity() : read_transform(options.init);
   ms.read = watch.lap();
+  std::optional<GlobalStart> global;
+  if (is_global(options.method)) {
+    global = find_global_start(source_file, target_file, Eigen::Vector3d(options.up.data()), options.voxel,
+                               options.epsilon);
+    if (refining.empty() || global->found()) start = global->pose(!refining.empty());
+  }
+  const double global_ms = watch.lap();
   if (options.output.empty()) source_file.intensity = {};
   target_file.intensity = {};
   const double voxel = options.voxel >= 0 ? options.voxel : sensible_voxel(target_file);
@@ -343,16 +369,23 @@ void run(const Options& options) {
   alignment.voxel = voxel;
   std::optional<ProgressBar> bar(std::in_place, "aligning");
   alignment.progress = [&](double share) { bar->update(static_cast<std::uint64_t>(1000 * share), 1000); };
+  if (global && global->found() && !(options.nu_max > 0)) alignment.nu_max = global->registration.epsilon;
   CloudAlignment result;
   try {
-    result = align_clouds(source, target, start, method, alignment);
+    if (refining.empty()) {
+      result.target_from_source = start;
+      result.stop_reason = verdict_name(global->registration.verdict);
+    } else {
+      result = align_clouds(source, target, start, method, alignment);
+    }
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(options.source + ": " + error.what());
   }
   bar.reset();
-  ms.solve = watch.lap();
+  ms.solve = global_ms + watch.lap();
   ms.total = whole.lap();
   Json json = result_json(options, result, source.size(), target_points, voxel, ms);
+  if (global) add_global(*global, &json);
   if (!options.truth.empty())
     add_truth(source_file, result.target_from_source, read_transform(options.truth), &json);
   if (!options.output.empty()) write_cloud(options.output, moved(source_file, result.target_from_source));

@@ -34,42 +34,6 @@ AngleReach reach_of(double p_length, double p_azimuth, double q_length, double q
   return AngleReach::kInterval;
 }
 
-void AngleStabber::clear() {
-  intervals_.clear();
-  tags_.clear();
-}
-
-void AngleStabber::add(const AngleInterval& interval, std::uint32_t tag) {
-  intervals_.push_back(interval);
-  tags_.push_back(tag);
-}
-
-int AngleStabber::upper_bound() {
-  constexpr int kBuckets = 128;
-  // The index grows with the angle, so an angle inside an interval lies in a bucket that the interval
-  // touches.
-  const auto bucket = [](double angle) {
-    return std::min(static_cast<int>(angle * (kBuckets / kTurn)), kBuckets - 1);
-  };
-  buckets_.assign(kBuckets + 1, 0);
-  for (const AngleInterval& interval : intervals_) {
-    const double end = interval.start + interval.width;
-    ++buckets_[static_cast<std::size_t>(bucket(interval.start))];
-    if (end >= kTurn) {
-      ++buckets_[0];
-      --buckets_[static_cast<std::size_t>(bucket(end - kTurn) + 1)];
-    } else {
-      --buckets_[static_cast<std::size_t>(bucket(end) + 1)];
-    }
-  }
-  int depth = 0, best = 0;
-  for (int b = 0; b < kBuckets; ++b) {
-    depth += buckets_[static_cast<std::size_t>(b)];
-    best = std::max(best, depth);
-  }
-  return std::min(best, static_cast<int>(intervals_.size()));
-}
-
 int AngleStabber::stab(double& theta, double fallback) {
   theta = fallback;
   if (intervals_.empty()) return 0;
@@ -100,14 +64,6 @@ int AngleStabber::stab(double& theta, double fallback) {
   }
   theta = 0.5 * (from + to);
   return best;
-}
-
-void AngleStabber::stabbed(double theta, std::vector<std::uint32_t>& tags) const {
-  for (std::size_t i = 0; i < intervals_.size(); ++i) {
-    double offset = theta - intervals_[i].start;
-    if (offset < 0) offset += kTurn;
-    if (offset <= intervals_[i].width) tags.push_back(tags_[i]);
-  }
 }
 
 }  // namespace scanlock

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 namespace scanlock {
@@ -27,18 +26,12 @@ AngleReach reach_of(double p_length, double p_azimuth, double q_length, double q
 /// The object keeps its memory from call to call.
 class AngleStabber {
  public:
-  void clear();
-  /// `tag` names the interval in stabbed().
-  void add(const AngleInterval& interval, std::uint32_t tag);
-  std::size_t size() const { return intervals_.size(); }
+  void clear() { intervals_.clear(); }
+  void add(const AngleInterval& interval) { intervals_.push_back(interval); }
 
-  /// An upper bound of stab() in O(n + buckets), by counting the intervals that touch each of some buckets.
-  int upper_bound();
   /// The largest number of intervals with a common angle, and the middle of the first stretch where it is
   /// attained. `fallback` is returned as the angle when there are no intervals.
   int stab(double& theta, double fallback = 0);
-  /// The tags of the intervals that hold theta.
-  void stabbed(double theta, std::vector<std::uint32_t>& tags) const;
 
  private:
   struct Event {
@@ -46,9 +39,7 @@ class AngleStabber {
     int step;  // +1 start, -1 end
   };
   std::vector<AngleInterval> intervals_;
-  std::vector<std::uint32_t> tags_;
   std::vector<Event> events_;
-  std::vector<int> buckets_;
 };
 
 }  // namespace scanlock

@@ -92,11 +92,20 @@ double description_voxel(const PointCloud& cloud) {
   }
   const double wanted = std::min(kWantedPoints, kWantedShare * static_cast<double>(finite.size()));
   if (!(reach > 0) || wanted < 1) return 0;
-  // On surfaces the points that are left fall with the square of the voxel.
-  double voxel = reach / 100;
+  // On surfaces the points that are left fall with the square of the voxel. What a finer voxel has left
+  // stands for the cloud, so that all points are looked at once or twice only.
+  double voxel = reach / 100, finer = 0;
+  std::vector<std::uint32_t> some = finite;
   for (int round = 0; round < kVoxelRounds; ++round) {
-    const double left = static_cast<double>(thin_by_voxel(cloud, static_cast<float>(voxel)).size());
+    const bool from_some = finer > 0 && finer < 0.75 * voxel;
+    std::vector<std::uint32_t> thin =
+        thin_by_voxel(cloud, from_some ? some : finite, static_cast<float>(voxel));
+    const double left = static_cast<double>(thin.size());
     if (left < wanted * kTolerance && left > wanted / kTolerance) break;
+    if (left > wanted) {
+      some = std::move(thin);
+      finer = voxel;
+    }
     voxel *= std::sqrt(std::max(left, 1.0) / wanted);
   }
   return voxel;

@@ -21,12 +21,19 @@ constexpr double kRivalEpsilons = 4, kRivalAngle = 0.1;
 constexpr int kFewestMatches = 8;  // consensus below which nothing is believed
 constexpr double kLeastOverlap = 0.3, kMostContradiction = 0.09;
 constexpr double kMostResidual = 0.18;  // voxels
-constexpr double kStrongOverlap = 0.55, kStrongContradiction = 0.03;
+constexpr double kStrongOverlap = 0.55, kStrongLeastOverlap = 0.4, kStrongContradiction = 0.03;
 constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
+// Rooms of one building can look alike to half their surfaces, but the walls of the one stand in the free
+// space of the other.
+constexpr double kClearContradiction = 0.04;
 constexpr int kGuidedLambda = 10;
 constexpr double kPriceOfContradiction = 2;         // of overlap
 constexpr double kRefuted = 0.12, kHopeless = 0.5;  // contradictions; the latter before the refinement
 constexpr double kClearMargin = 1.3;                // of the consensus over its runner-up
+constexpr double kNoRival = 2;                      // the same
+constexpr int kPreciseMatches = 24;
+// Who draws long enough finds what looks right: later match sets have to pass both tests.
+constexpr int kPlainAttempts = 2;
 constexpr int kPeels = 4;
 constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
 constexpr int kRounds = 8;
@@ -52,6 +59,22 @@ Eigen::Matrix3d level_of(const Eigen::Vector3d& up) {
 Matches turned(Matches matches, const Eigen::Matrix3d& rotation) {
   for (Match& match : matches) match.q = rotation * match.q;
   return matches;
+}
+
+PointCloud turned(const PointCloud& cloud, const Eigen::Matrix3d& rotation) {
+  PointCloud result = cloud;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f p = (rotation * cloud.point(i).cast<double>()).cast<float>();
+    result.x[i] = p.x();
+    result.y[i] = p.y();
+    result.z[i] = p.z();
+    if (!cloud.has_normals()) continue;
+    const Eigen::Vector3f n = (rotation * cloud.normal(i).cast<double>()).cast<float>();
+    result.nx[i] = n.x();
+    result.ny[i] = n.y();
+    result.nz[i] = n.z();
+  }
+  return result;
 }
 
 /// Every n-th keypoint.
@@ -122,6 +145,7 @@ class Registrar {
 
  private:
   CloudRegistration propose();
+  void try_again();
   void attempt(const CloudDescription& source, const CloudDescription& target);
   MatchRegistration search(const Matches& matches, bool runner_up) const;
   void merge(const MatchRegistration& loser, MatchRegistration* best) const;
@@ -130,6 +154,11 @@ class Registrar {
   void compare_clouds(Hypothesis* hypothesis);
   void add_hypothesis(const Pose& pose, int consensus);
   Pose refined(const Pose& start, std::uint32_t* degenerate_axes);
+  void account(const MatchRegistration& search) {
+    result_.pruning_ms += search.pruning_ms;
+    result_.search_ms += search.search_ms + search.runner_up_ms;
+    result_.nodes += search.nodes;
+  }
   void judge();
   std::string numbers() const;
 
@@ -259,6 +288,7 @@ void Registrar::look_for_more(Matches matches) {
           matches.end());
     }
     const MatchRegistration next = search(matches, false);
+    account(next);
     if (next.consensus < kFewestMatches) break;
     add_hypothesis(next.target_from_source, next.consensus);
   }
@@ -269,6 +299,7 @@ void Registrar::attempt(const CloudDescription& source, const CloudDescription& 
   const Matches matches = match(source, target, options_.lambda);
   result_.matching_ms += clock.lap();
   result_.solution = search(matches, true);
+  account(result_.solution);
   ++result_.attempts;
   hypotheses_.clear();
   result_.start = result_.target_from_source = result_.solution.target_from_source;
@@ -278,7 +309,9 @@ void Registrar::attempt(const CloudDescription& source, const CloudDescription& 
     return;
   }
   add_hypothesis(result_.solution.target_from_source, result_.solution.consensus);
-  add_hypothesis(result_.solution.runner_up, result_.solution.runner_up_consensus);
+  // One that half as many matches hold is no rival, and comparing clouds costs more than the search.
+  if (result_.solution.consensus < kNoRival * result_.solution.runner_up_bound)
+    add_hypothesis(result_.solution.runner_up, result_.solution.runner_up_consensus);
   judge();
   if (result_.verdict == GlobalVerdict::kCertain) return;
   look_for_more(matches);
@@ -323,15 +356,17 @@ void Registrar::judge() {
     if (score(h.fit) > score(result_.rival_fit)) result_.rival_fit = h.fit;
     rival = rival || !clearly_worse(h.fit, best->fit);
   }
-  const bool clear = first && s.consensus >= kClearMargin * s.runner_up_bound;
+  const bool clear = first && s.consensus >= kClearMargin * s.runner_up_bound &&
+                     best->fit.contradiction <= kClearContradiction;
   const bool strong = best->fit.contradiction <= kStrongContradiction &&
-                      best->fit.overlap >= kStrongOverlap && (best->degenerate_axes & kHorizontalAxes) == 0;
+                      best->fit.overlap >= kStrongOverlap && best->fit.least_overlap >= kStrongLeastOverlap &&
+                      (best->degenerate_axes & kHorizontalAxes) == 0;
   if (!confirmed(best->fit, source_.voxel)) {
     result_.why = "the clouds do not confirm any pose: " + numbers();
   } else if (rival) {
     result_.verdict = GlobalVerdict::kAmbiguous;
     result_.why = "another pose fits the clouds about as well: " + numbers();
-  } else if (!strong && !clear) {
+  } else if (result_.attempts > kPlainAttempts ? !strong || !clear : !strong && !clear) {
     result_.verdict = GlobalVerdict::kAmbiguous;
     result_.why = "no pose stands out: " + numbers();
   } else if (!s.certified) {
@@ -348,6 +383,7 @@ void Registrar::judge() {
 CloudRegistration Registrar::propose() {
   const Matches matches = match(source_, target_, options_.lambda);
   result_.solution = search(matches, true);
+  account(result_.solution);
   result_.attempts = 1;
   result_.why = numbers();
   if (result_.solution.consensus < kFewestMatches) return result_;
@@ -374,9 +410,27 @@ CloudRegistration Registrar::run() {
     } else {
       attempt(redescribed(source_, 9, 800), redescribed(target_, 9, 800));
     }
-    if (result_.verdict == GlobalVerdict::kCertain) break;
+    if (result_.verdict != GlobalVerdict::kCertain) continue;
+    if (round == 0 && options_.attempts > 1 && result_.solution.consensus < kPreciseMatches) try_again();
+    break;
   }
   return result_;
+}
+
+/// Few matches can make a pose certain, but not precise: more are worth another search, which may also
+/// object.
+void Registrar::try_again() {
+  const CloudRegistration first = result_;
+  attempt(source_, target_);
+  if (result_.verdict != GlobalVerdict::kCertain) {
+    const int attempts = result_.attempts;
+    result_ = first;
+    result_.attempts = attempts;
+  } else if (separation(first.target_from_source, result_.target_from_source, centre_, result_.epsilon) >=
+             1) {
+    result_.verdict = GlobalVerdict::kAmbiguous;
+    result_.why = "more matches lead to another pose: " + numbers();
+  }
 }
 
 }  // namespace
@@ -399,7 +453,40 @@ CloudRegistration register_clouds(const CloudDescription& source, const CloudDes
                                   const CloudRegistrationOptions& options) {
   if (source.voxel > 0 && target.voxel > 0 && source.voxel != target.voxel)
     throw std::invalid_argument("register_clouds: the descriptions have different voxels");
+  if (source.keypoints.empty() || target.keypoints.empty()) {
+    CloudRegistration nothing;
+    nothing.solution.certified = true;
+    nothing.why = std::string("the ") + (source.keypoints.empty() ? "source" : "target") +
+                  " has nothing that could be recognised";
+    return nothing;
+  }
   return Registrar(source, target, options).run();
+}
+
+CloudRegistration register_raw_clouds(const PointCloud& source, const PointCloud& target,
+                                      const Eigen::Vector3d& up, const DescriptionOptions& description,
+                                      const CloudRegistrationOptions& options, DescriptionTiming* timing) {
+  if (!up.allFinite() || !(up.norm() > 0))
+    throw std::invalid_argument("register_raw_clouds: up must be finite and not 0 0 0");
+  const Eigen::Matrix3d level = level_of(up);
+  const bool level_already = level.isIdentity(1e-12);
+  DescriptionOptions common = description;
+  if (!(common.voxel > 0)) common.voxel = description_voxel(target);
+  const auto described = [&](const PointCloud& cloud) {
+    CloudDescription result = describe(level_already ? cloud : turned(cloud, level), common);
+    if (timing) {
+      timing->keypoints_ms += result.points_ms + result.keypoints_ms;
+      timing->features_ms += result.features_ms;
+    }
+    return result;
+  };
+  const CloudDescription of_source = described(source), of_target = described(target);
+  CloudRegistration result = register_clouds(of_source, of_target, options);
+  for (Pose* pose : {&result.start, &result.target_from_source, &result.solution.target_from_source,
+                     &result.solution.runner_up}) {
+    *pose = Pose(level.transpose()) * *pose * Pose(level);
+  }
+  return result;
 }
 
 }  // namespace scanlock

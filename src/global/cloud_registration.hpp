@@ -35,14 +35,14 @@ struct CloudRegistrationOptions {
   /// means of his own; the verdict then speaks of the matches alone, and nothing is refined with the clouds.
   bool judged = true;
   int lambda = 3;
-  int attempts = 3;                 ///< match sets that are drawn at most
+  int attempts = 2;                 ///< match sets that are drawn at most, see below
   std::size_t max_nodes = 200'000;  ///< of each search; ends it without a certificate
   double budget_s = std::numeric_limits<double>::infinity();  ///< wall seconds of each search
 };
 
 struct CloudRegistration {
   MatchRegistration solution;                  ///< of the match set that decided
-  Pose start = Pose::Identity();               ///< least squares over the inliers of the solution
+  Pose start = Pose::Identity();               ///< where the matches have it
   Pose target_from_source = Pose::Identity();  ///< refined with the clouds; always finite
   GlobalVerdict verdict = GlobalVerdict::kNoOverlap;
   std::string why;                    ///< a sentence for people
@@ -52,14 +52,28 @@ struct CloudRegistration {
   std::uint32_t degenerate_axes = 0;  ///< of the refinement
   double epsilon = 0;                 ///< metres, as used
   int attempts = 0;
-  double features_ms = 0, matching_ms = 0, refinement_ms = 0;  ///< CPU, of all attempts
+  double matching_ms = 0, refinement_ms = 0, pruning_ms = 0, search_ms = 0;  ///< CPU, of all attempts
+  std::size_t nodes = 0;                                                     ///< of all attempts
 };
 
 /// Registers two described levelled clouds without an initial guess: matches, the largest consensus, a short
 /// refinement with the clouds, and what the clouds say about it. When they do not confirm it, matches are
-/// drawn again, from more keypoints and from a wider look. Descriptions have the same voxel and options, and
-/// throw std::invalid_argument when not. Deterministic, unless budget_s ends a search.
+/// drawn again, from more keypoints, and third from a wider look (which costs, and seldom helps).
+/// Descriptions have the same voxel and options, and throw std::invalid_argument when not. Deterministic,
+/// unless budget_s ends a search.
 CloudRegistration register_clouds(const CloudDescription& source, const CloudDescription& target,
                                   const CloudRegistrationOptions& options = {});
+
+/// The same from clouds as they come, in frames whose origins are where their sensors stood and that share
+/// the direction `up` (any length but 0). `description.voxel` 0: from the target. The poses are
+/// between the clouds' own frames; ms of the description are given in `timing`. Throws std::invalid_argument
+/// for an option out of range.
+struct DescriptionTiming {
+  double keypoints_ms = 0, features_ms = 0;  ///< CPU, of both clouds
+};
+CloudRegistration register_raw_clouds(const PointCloud& source, const PointCloud& target,
+                                      const Eigen::Vector3d& up, const DescriptionOptions& description,
+                                      const CloudRegistrationOptions& options,
+                                      DescriptionTiming* timing = nullptr);
 
 }  // namespace scanlock

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 namespace scanlock {
 namespace {
@@ -54,16 +54,18 @@ void LevelMatches::push_back_from(const LevelMatches& other, std::size_t i) {
 }
 
 LevelMatches sorted_by_height(const LevelMatches& matches) {
-  std::vector<std::uint32_t> order(matches.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return matches.dz[a] < matches.dz[b]; });
-  LevelMatches result = select(matches, order);
+  std::vector<std::pair<double, std::uint32_t>> heights(matches.size());
   double reach = 0;
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    reach = std::max(reach, std::hypot(result.px[i], result.py[i]) + std::hypot(result.qx[i], result.qy[i]) +
-                                std::abs(result.dz[i]) + result.threshold[i]);
+  for (std::uint32_t i = 0; i < heights.size(); ++i) {
+    heights[i] = {matches.dz[i], i};
+    reach = std::max(reach, std::sqrt(matches.px[i] * matches.px[i] + matches.py[i] * matches.py[i]) +
+                                std::sqrt(matches.qx[i] * matches.qx[i] + matches.qy[i] * matches.qy[i]) +
+                                std::abs(matches.dz[i]) + matches.threshold[i]);
   }
+  std::sort(heights.begin(), heights.end());
+  LevelMatches result;
+  result.reserve(heights.size());
+  for (const auto& [height, i] : heights) result.push_back_from(matches, i);
   constexpr double kUlps = 16 * 2.3e-16;
   result.rounding = kUlps * reach;
   return result;
@@ -96,12 +98,15 @@ int consensus(const LevelMatches& matches, const LevelPose& pose) {
   return count;
 }
 
-LevelPose fit(const LevelMatches& m, const std::vector<std::uint32_t>& subset,
-              const std::vector<double>& weights) {
+LevelPose fit(const LevelMatches& m, const std::vector<std::uint32_t>& subset) {
+  return fit(m, subset.data(), std::vector<double>(subset.size(), 1.0).data(), subset.size());
+}
+
+LevelPose fit(const LevelMatches& m, const std::uint32_t* subset, const double* weights, std::size_t size) {
   double sum = 0, px = 0, py = 0, qx = 0, qy = 0, dz = 0;
-  for (std::size_t j = 0; j < subset.size(); ++j) {
+  for (std::size_t j = 0; j < size; ++j) {
     const std::uint32_t i = subset[j];
-    const double w = weights.empty() ? 1.0 : weights[j];
+    const double w = weights[j];
     sum += w;
     px += w * m.px[i];
     py += w * m.py[i];
@@ -114,12 +119,11 @@ LevelPose fit(const LevelMatches& m, const std::vector<std::uint32_t>& subset,
   qx /= sum;
   qy /= sum;
   double dot = 0, cross = 0;
-  for (std::size_t j = 0; j < subset.size(); ++j) {
+  for (std::size_t j = 0; j < size; ++j) {
     const std::uint32_t i = subset[j];
-    const double w = weights.empty() ? 1.0 : weights[j];
     const double ax = m.px[i] - px, ay = m.py[i] - py, bx = m.qx[i] - qx, by = m.qy[i] - qy;
-    dot += w * (ax * bx + ay * by);
-    cross += w * (ax * by - ay * bx);
+    dot += weights[j] * (ax * bx + ay * by);
+    cross += weights[j] * (ax * by - ay * bx);
   }
   LevelPose pose;
   pose.theta = std::atan2(cross, dot);
@@ -136,24 +140,6 @@ void climb(const LevelMatches& m, std::vector<std::uint32_t> subset, Incumbent& 
     const LevelPose pose = fit(m, subset);
     if (!raise(m, pose, best) && i > 0) return;
     subset = inliers(m, pose);
-  }
-}
-
-void squeeze(const LevelMatches& m, const std::vector<std::uint32_t>& subset, int iterations,
-             Incumbent& best) {
-  std::vector<double> weights(subset.size(), 1.0);
-  for (int i = 0; i < iterations && !subset.empty(); ++i) {
-    const LevelPose pose = fit(m, subset, weights);
-    raise(m, pose, best);
-    if (best.consensus >= static_cast<int>(subset.size())) return;
-    const double c = std::cos(pose.theta), s = std::sin(pose.theta);
-    double sum = 0;
-    for (std::size_t j = 0; j < subset.size(); ++j) {
-      weights[j] *= std::sqrt(squared_ratio(m, subset[j], c, s, pose));
-      sum += weights[j];
-    }
-    if (!(sum > 0)) return;
-    for (double& w : weights) w /= sum;
   }
 }
 

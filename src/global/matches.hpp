@@ -61,9 +61,10 @@ inline double bounding_limit(const LevelMatches& m, std::size_t i) {
 std::vector<std::uint32_t> inliers(const LevelMatches& matches, const LevelPose& pose);
 int consensus(const LevelMatches& matches, const LevelPose& pose);
 
-/// The pose of least squares over a subset (not empty), weighted when there are weights.
-LevelPose fit(const LevelMatches& matches, const std::vector<std::uint32_t>& subset,
-              const std::vector<double>& weights = {});
+/// The pose of least squares over a subset (not empty), and over `size` of them with weights.
+LevelPose fit(const LevelMatches& matches, const std::vector<std::uint32_t>& subset);
+LevelPose fit(const LevelMatches& matches, const std::uint32_t* subset, const double* weights,
+              std::size_t size);
 
 /// The best pose known and its count.
 struct Incumbent {
@@ -74,10 +75,5 @@ struct Incumbent {
 /// Climbs from a subset: fits to it, then to the inliers of the fit, as long as their number grows. Raises
 /// the incumbent if it can.
 void climb(const LevelMatches& matches, std::vector<std::uint32_t> subset, Incumbent& best);
-
-/// Makes the largest residual over a subset small (Lawson's weights), which finds poses that only just hold
-/// all of it. Raises the incumbent if it can.
-void squeeze(const LevelMatches& matches, const std::vector<std::uint32_t>& subset, int iterations,
-             Incumbent& best);
 
 }  // namespace scanlock

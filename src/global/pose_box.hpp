@@ -32,13 +32,15 @@ class BoxFilter {
   explicit BoxFilter(const LevelMatches& matches);
   /// Replaces `kept` by the possible ones of `list`.
   BoxCounts filter(const PoseBox& box, const std::vector<std::uint32_t>& list,
-                   std::vector<std::uint32_t>& kept) const;
+                   std::vector<std::uint32_t>& kept);
 
  private:
   struct Packed {
     double px, py, qx, qy, dz, bounding2, counting2, lever;
   };
   std::vector<Packed> matches_;
+  // Of the last box, for its sister often has the same angles.
+  double theta_ = 0, half_theta_ = 0, cos_ = 1, sin_ = 0, across_ = 0, along_ = 0;
 };
 
 }  // namespace scanlock

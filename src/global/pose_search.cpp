@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "global/conflicts.hpp"
+#include "global/pose_polish.hpp"
 #include "global/sector_voting.hpp"
 
 namespace scanlock {
@@ -16,16 +18,23 @@ enum class NodeKind { kSlab, kSector, kBox };
 
 struct Node {
   int bound = 0;
-  std::size_t serial = 0;
   NodeKind kind = NodeKind::kSlab;
-  PoseBox box;       // a slab has z, a sector also theta
-  double cell = 0;   // of a sector
-  double lever = 0;  // of a box
-  int tried = 0;     // of a box: how hard a pose for all its matches was looked for
+  PoseBox box;              // a slab has z, a sector also theta
+  double cell = 0;          // of a sector
+  std::size_t members = 0;  // of a sector: matches in its open cells, cell by cell
+  double lever = 0;         // of a box
+  // Of a box: when conflicts were looked for, last.
+  int tried_drops = std::numeric_limits<int>::max(), iterations = 0;
+  double tried_size = std::numeric_limits<double>::infinity();
   std::vector<std::uint32_t> matches;
+};
 
-  /// The highest bound first, then the newest, for it is the smallest.
-  bool operator<(const Node& other) const {
+/// The highest bound first, then the newest, for it is the smallest.
+struct Open {
+  int bound;
+  std::size_t serial;
+  std::uint32_t node;
+  bool operator<(const Open& other) const {
     return bound != other.bound ? bound < other.bound : serial < other.serial;
   }
 };
@@ -45,6 +54,7 @@ class Search {
         excluded_(excluded),
         pruning_(pruning),
         filter_(matches),
+        conflicts_(matches),
         voting_(matches) {}
 
   SearchResult run();
@@ -53,16 +63,19 @@ class Search {
  private:
   /// The least bound that still matters.
   int wanted() const { return std::max(1, best_.consensus + (pruning_ ? 0 : 1)); }
-  double lever_of_all() const;
+  void measure();
   void push(Node node);
+  Node pop();
   void open_slabs();
+  int pieces(const Node& sector, std::size_t matches) const;
   void divide_slab(const Node& node);
   void push_sector(const PoseBox& slab, double theta, double half_theta, double cell);
   void divide_sector(const Node& node);
   void divide_box(Node& node);
-  void try_all_of(Node& node);
+  void look_for_conflicts(Node& node);
   bool divide(const PoseBox& box, double lever, PoseBox halves[2]) const;
   void dive(const VotedCell& cell);
+  void search_nearby();
   void offer(const LevelPose& pose, int consensus, const std::vector<std::uint32_t>& held);
   void keep(const std::vector<std::uint32_t>& matches);
   bool all_kept(const std::vector<std::uint32_t>& matches) const;
@@ -74,27 +87,51 @@ class Search {
   const std::optional<ExcludedPoses>& excluded_;
   const bool pruning_;
   BoxFilter filter_;
+  Conflicts conflicts_;
   SectorVoting voting_;
-  std::vector<Node> heap_;
+  std::vector<Open> heap_;
+  std::vector<Node> nodes_;  // open or free
+  std::vector<std::uint32_t> free_;
   std::vector<std::uint8_t> kept_;
   std::vector<std::uint32_t> scratch_[2];
   std::vector<VotedCell> cells_;
   SearchResult result_;
   std::size_t serial_ = 0, entries_ = 0, dives_ = 0;
-  double lever_ = 0, slab_z_ = 0, slab_half_ = -1;
+  double lever_ = 0, spread_ = 0;  // metres: of p from the axis, and the width of the translations
 };
 
-double Search::lever_of_all() const {
-  double sum = 0;
-  for (std::size_t i = 0; i < m_.size(); ++i) sum += m_.px[i] * m_.px[i] + m_.py[i] * m_.py[i];
-  return std::sqrt(sum / static_cast<double>(m_.size()));
+void Search::measure() {
+  double p = 0, q = 0;
+  for (std::size_t i = 0; i < m_.size(); ++i) {
+    p += m_.px[i] * m_.px[i] + m_.py[i] * m_.py[i];
+    q += m_.qx[i] * m_.qx[i] + m_.qy[i] * m_.qy[i];
+  }
+  const auto n = static_cast<double>(m_.size());
+  lever_ = std::sqrt(p / n);
+  spread_ = 2 * (lever_ + std::sqrt(q / n));
 }
 
 void Search::push(Node node) {
-  node.serial = serial_++;
+  if (free_.empty()) {
+    free_.push_back(static_cast<std::uint32_t>(nodes_.size()));
+    nodes_.emplace_back();
+  }
+  const std::uint32_t index = free_.back();
+  free_.pop_back();
   entries_ += node.matches.size();
-  heap_.push_back(std::move(node));
+  heap_.push_back({node.bound, serial_++, index});
   std::push_heap(heap_.begin(), heap_.end());
+  nodes_[index] = std::move(node);
+}
+
+Node Search::pop() {
+  std::pop_heap(heap_.begin(), heap_.end());
+  const std::uint32_t index = heap_.back().node;
+  heap_.pop_back();
+  free_.push_back(index);
+  Node node = std::move(nodes_[index]);
+  entries_ -= node.matches.size();
+  return node;
 }
 
 /// Slabs over all heights that a pose of some consensus can have.
@@ -127,41 +164,62 @@ void Search::push_sector(const PoseBox& slab, double theta, double half_theta, d
   node.box.half_theta = half_theta;
   node.cell = cell;
   node.bound = voting_.vote({slab.centre.z, slab.half_z, theta, half_theta, cell});
-  if (node.bound >= wanted()) push(std::move(node));
+  if (node.bound < wanted()) return;
+  voting_.open_matches(wanted(), node.matches);
+  node.members = voting_.members(wanted());
+  push(std::move(node));
+}
+
+/// Into how many sectors to divide one of so many matches: few, but such that their votes can tell where the
+/// incumbent may be beaten. A sector of half the angle has cells of half the side, and a quarter of the votes
+/// in each.
+int Search::pieces(const Node& sector, std::size_t matches) const {
+  constexpr int kMost = 8;
+  constexpr double kCrowding = 20;  // votes of a match, times the fullest cell over the mean
+  int count = 2;
+  for (; count < kMost; count *= 2) {
+    const double cell = sector.cell / count;
+    if (kCrowding * static_cast<double>(matches) * cell * cell <= wanted() * spread_ * spread_) break;
+  }
+  return count;
 }
 
 void Search::divide_slab(const Node& node) {
-  constexpr int kSectors = 8;
-  const std::size_t n = voting_.set_slab(node.box.centre.z, node.box.half_z);
-  result_.work += n * kSectors;
-  const double half = kPi / kSectors;
-  for (int k = 0; k < kSectors; ++k) {
+  const std::size_t n = voting_.load_slab(node.box.centre.z, node.box.half_z);
+  constexpr int sectors = 8;
+  result_.work += n * static_cast<std::size_t>(sectors);
+  const double half = kPi / sectors;
+  for (int k = 0; k < sectors; ++k) {
     push_sector(node.box, (2 * k + 1) * half, half * (1 + 1e-12),
                 std::max(2 * half * lever_, voting_.smallest_cell()));
   }
 }
 
 void Search::divide_sector(const Node& node) {
-  constexpr std::size_t kCrowd =
-      2;  // votes in open cells, per match, above which smaller sectors are cheaper
-  constexpr std::size_t kDives = 64;
-  const std::size_t n = voting_.set_slab(node.box.centre.z, node.box.half_z);
+  constexpr std::size_t kFew = 96;  // matches that are sooner looked at in boxes
+  constexpr std::size_t kDives = 16;
+  const std::size_t n = voting_.load(node.matches, node.box.centre.z, node.box.half_z);
   const Sector sector{node.box.centre.z, node.box.half_z, node.box.centre.theta, node.box.half_theta,
                       node.cell};
-  voting_.vote(sector);
-  result_.work += n;
-  if (node.bound > best_.consensus && dives_ < kDives) {
+  const bool diving = node.bound > best_.consensus && dives_ < kDives;
+  const bool gathering = node.cell <= voting_.smallest_cell() || node.members <= kFew;
+  if (diving || gathering) {
+    voting_.vote(sector);
+    result_.work += n;
+  }
+  if (diving) {
     ++dives_;
+    const int before = best_.consensus;
     voting_.gather(sector, node.bound, cells_);
     if (!cells_.empty()) {
       dive(*std::max_element(cells_.begin(), cells_.end(), [](const VotedCell& a, const VotedCell& b) {
         return a.matches.size() < b.matches.size();
       }));
     }
+    if (best_.consensus > before && !excluded_ && limits_.nearby) search_nearby();
     if (node.bound < wanted()) return;
   }
-  const bool smallest = node.cell <= voting_.smallest_cell();
-  if ((smallest || voting_.members(wanted()) <= kCrowd * n) && voting_.gather(sector, wanted(), cells_)) {
+  if (gathering && voting_.gather(sector, wanted(), cells_)) {
     for (VotedCell& cell : cells_) {
       if (pruning_ && all_kept(cell.matches)) continue;
       Node box;
@@ -174,18 +232,19 @@ void Search::divide_sector(const Node& node) {
     }
     return;
   }
-  const double half = 0.5 * node.box.half_theta;
-  result_.work += 2 * n;
-  for (const double side : {-half, half}) {
-    push_sector(node.box, node.box.centre.theta + side, half * (1 + 1e-12),
-                std::max(0.5 * node.cell, voting_.smallest_cell()));
+  const int sectors = pieces(node, n);
+  const double half = node.box.half_theta / sectors;
+  result_.work += n * static_cast<std::size_t>(sectors);
+  for (int k = 0; k < sectors; ++k) {
+    push_sector(node.box, node.box.centre.theta + (2 * k + 1 - sectors) * half, half * (1 + 1e-12),
+                std::max(node.cell / sectors, voting_.smallest_cell()));
   }
 }
 
 /// Halves the longest side. False when the box is too small to matter.
 bool Search::divide(const PoseBox& box, double lever, PoseBox halves[2]) const {
   const double turn = box.half_theta * lever, longest = longest_side(box, lever);
-  if (longest <= (pruning_ ? 0.25 * m_.largest_threshold : m_.rounding)) return false;
+  if (longest <= (pruning_ ? 0.5 * m_.largest_threshold : m_.rounding)) return false;
   halves[0] = halves[1] = box;
   const auto split = [&](double LevelPose::*centre, double PoseBox::*half) {
     const double quarter = 0.5 * (box.*half);
@@ -206,28 +265,31 @@ bool Search::divide(const PoseBox& box, double lever, PoseBox halves[2]) const {
   return true;
 }
 
-/// Small boxes whose matches have a common pose end here, also when that is a single point that no centre
-/// ever hits.
-void Search::try_all_of(Node& node) {
-  const double size = longest_side(node.box, node.lever);
-  if (node.tried < 1 && size <= 0.25 * m_.largest_threshold) {
-    node.tried = 1;
-    offer(node.box.centre, 0, node.matches);
-  }
-  constexpr double kSizes[] = {0.01, 0.0005};
-  constexpr int kIterations[] = {60, 2000};
-  for (int k = 0; k < 2; ++k) {
-    if (node.tried > k + 1 || size > kSizes[k] * m_.largest_threshold || node.bound < wanted()) continue;
-    node.tried = k + 2;
-    Incumbent squeezed = best_;
-    squeeze(m_, node.matches, kIterations[k], squeezed);
-    offer(squeezed.pose, squeezed.consensus, node.matches);
-  }
+/// Looks for a proof, independent of the box, that its matches have no pose in common that is good enough:
+/// without this the search would have to come down to boxes as small as what misses for one match more. Also
+/// ends boxes whose matches have a single common pose. Tried again, harder, when fewer matches can be spared
+/// or the box has shrunk.
+void Search::look_for_conflicts(Node& node) {
+  constexpr int kMostDrops = 2, kIterations = 16, kMostIterations = 2048;
+  constexpr double kFirstSize = 0.01, kShrunk = 0.125;  // first size in thresholds
+  const int drops = static_cast<int>(node.matches.size()) - wanted();
+  const double size = longest_side(node.box, node.lever) / m_.largest_threshold;
+  const bool shrunk = size <= kShrunk * node.tried_size;
+  if (size > kFirstSize || drops > kMostDrops || (drops >= node.tried_drops && !shrunk)) return;
+  node.iterations =
+      std::min(kMostIterations, shrunk && node.tried_size < kFirstSize ? 4 * node.iterations : kIterations);
+  node.tried_drops = drops;
+  node.tried_size = size;
+  Incumbent found = best_;
+  const bool hopeless = conflicts_.hopeless(node.matches, drops, node.iterations, found);
+  result_.work += node.matches.size() * static_cast<std::size_t>(node.iterations);
+  if (hopeless) node.bound = std::min(node.bound, wanted() - 1);
+  if (found.consensus > best_.consensus) offer(found.pose, found.consensus, node.matches);
 }
 
 void Search::divide_box(Node& node) {
   PoseBox halves[2];
-  try_all_of(node);
+  look_for_conflicts(node);
   if (node.bound < wanted()) return;
   if (!divide(node.box, node.lever, halves)) {
     if (pruning_) {
@@ -245,10 +307,12 @@ void Search::divide_box(Node& node) {
     if (counts.possible < wanted() || (pruning_ && all_kept(scratch_[0]))) continue;
     Node child;
     child.kind = NodeKind::kBox;
-    child.bound = counts.possible;
+    child.bound = std::min(counts.possible, node.bound);
     child.box = half;
     child.lever = counts.lever;
-    child.tried = node.tried;
+    child.tried_drops = node.tried_drops;
+    child.tried_size = node.tried_size;
+    child.iterations = node.iterations;
     child.matches = scratch_[0];
     push(std::move(child));
   }
@@ -276,11 +340,34 @@ void Search::dive(const VotedCell& cell) {
   offer(fit(m_, matches), 0, matches);
 }
 
+/// A short search among the matches near the incumbent: what it gains, all bounds gain.
+void Search::search_nearby() {
+  constexpr double kNear = 2;            // thresholds
+  constexpr std::size_t kWork = 60'000;  // matches looked at
+  const double c = std::cos(best_.pose.theta), s = std::sin(best_.pose.theta);
+  const double reach = kNear * m_.largest_threshold;
+  const auto [first, last] = height_range(m_, best_.pose.z - reach, best_.pose.z + reach);
+  std::vector<std::uint32_t> near;
+  for (std::size_t i = first; i < last; ++i) {
+    const double x = m_.qx[i] - (c * m_.px[i] - s * m_.py[i]) - best_.pose.x;
+    const double y = m_.qy[i] - (s * m_.px[i] + c * m_.py[i]) - best_.pose.y;
+    if (x * x + y * y <= reach * reach) near.push_back(static_cast<std::uint32_t>(i));
+  }
+  if (static_cast<int>(near.size()) <= best_.consensus) return;
+  SearchLimits limits;
+  limits.work = kWork;
+  limits.nearby = false;
+  Incumbent found = best_;
+  result_.work += search_poses(select(m_, near), found, limits).work;
+  offer(found.pose, consensus(m_, found.pose), near);
+}
+
 void Search::offer(const LevelPose& pose, int count, const std::vector<std::uint32_t>& held) {
   const int before = best_.consensus;
   if (count > best_.consensus && !(excluded_ && excluded_->holds(pose))) best_ = {pose, count};
   Incumbent climbed = best_;
   climb(m_, held, climbed);
+  if (climbed.consensus > before) polish(m_, climbed);
   if (climbed.consensus > best_.consensus && !(excluded_ && excluded_->holds(climbed.pose))) best_ = climbed;
   if (best_.consensus == before) return;
   dives_ = 0;
@@ -304,7 +391,7 @@ SearchResult Search::run() {
   if (m_.size() > 0) {
     kept_.assign(m_.size(), 0);
     if (pruning_) keep(inliers(m_, best_.pose));
-    lever_ = lever_of_all();
+    measure();
     open_slabs();
   }
   while (!heap_.empty() && heap_.front().bound >= wanted()) {
@@ -312,10 +399,7 @@ SearchResult Search::run() {
       result_.upper_bound = std::max({result_.upper_bound, heap_.front().bound, best_.consensus});
       return result_;
     }
-    std::pop_heap(heap_.begin(), heap_.end());
-    Node node = std::move(heap_.back());
-    heap_.pop_back();
-    entries_ -= node.matches.size();
+    Node node = pop();
     ++result_.nodes;
     switch (node.kind) {
       case NodeKind::kSlab:

@@ -35,10 +35,14 @@ class SectorVoting {
   /// Metres; sectors must not have smaller cells.
   double smallest_cell() const { return smallest_cell_; }
 
-  /// Sets the heights; returns how many matches they can hold.
-  std::size_t set_slab(double z, double half_z);
-  /// The bound of a sector of this slab.
+  /// Takes the matches that a slab of heights can hold; returns how many these are.
+  std::size_t load_slab(double z, double half_z);
+  /// The same, of the given matches only.
+  std::size_t load(const std::vector<std::uint32_t>& matches, double z, double half_z);
+  /// The bound of a sector of the slab.
   int vote(const Sector& sector);
+  /// The matches that voted, the last time, for a cell of at least so many.
+  void open_matches(int at_least, std::vector<std::uint32_t>& matches) const;
   /// How many matches stand in the cells of the last vote with at least so many, cell by cell.
   std::size_t members(int at_least) const;
   /// The cells, of the last vote, of at least so many matches. Nothing and false when as many matches as that
@@ -58,13 +62,19 @@ class SectorVoting {
   PoseBox cell_box(const Sector& sector, std::uint64_t cell) const;
   void find_spans(const Sector& sector);
 
+  void resize(std::size_t n);
+  std::size_t load_one(std::size_t place, std::uint32_t match, double z, double half_z);
+
+  struct Narrow {
+    float px, py, qx, qy;
+  };
   const LevelMatches& m_;
+  std::vector<Narrow> narrow_;
   float offset_ = 0, margin_ = 0;
   double smallest_cell_ = 0;
-  std::vector<float> px_, py_, qx_, qy_;
-  std::size_t first_ = 0, last_ = 0;
-  std::vector<float> reach_;                     // horizontal threshold in the slab; negative: none
-  std::vector<std::int32_t> i0_, i1_, j0_, j1_;  // the cells of a match, ends included
+  std::vector<std::uint32_t> matches_;            // loaded, and what they are:
+  std::vector<float> px_, py_, qx_, qy_, reach_;  // reach: the horizontal threshold in the slab
+  std::vector<std::int32_t> i0_, i1_, j0_, j1_;   // the cells that they vote for, ends included
   std::array<std::uint32_t, kSide * kSide> table_{};
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> wide_;

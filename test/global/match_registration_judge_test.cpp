@@ -37,10 +37,10 @@ void check_against_judge(const Matches& matches, double epsilon) {
 }
 
 TEST_CASE("Random matches with up to 95 percent outliers") {
-  for (int i = 0; i < cases(800); ++i) {
+  for (int i = 0; i < cases(1000); ++i) {
     CAPTURE(i);
     MatchSampler sample(static_cast<unsigned>(i));
-    const int count = sample.integer(1, 60);
+    const int count = sample.integer(1, i % 10 == 0 ? 60 : 24);  // the judge is cubic
     const int inliers = static_cast<int>(std::ceil(count * sample.uniform(0.05, 1.0)));
     const double half_side = sample.uniform(0.5, 3), epsilon = sample.uniform(0.05, 0.3);
     check_against_judge(
@@ -61,7 +61,7 @@ TEST_CASE("Inliers exactly at the threshold") {
   for (int i = 0; i < cases(300); ++i) {
     CAPTURE(i);
     MatchSampler sample(2000 + static_cast<unsigned>(i));
-    const int count = sample.integer(2, 30), inliers = sample.integer(2, count);
+    const int count = sample.integer(2, 20), inliers = sample.integer(2, count);
     const double epsilon = sample.uniform(0.05, 0.3);
     check_against_judge(sample.matches(count, inliers, sample.pose(1), 1.5, epsilon, true), epsilon);
   }

@@ -1,0 +1,42 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "global/matches.hpp"
+
+namespace scanlock {
+
+/// Proves that matches have no common pose. For any weights that sum to 1, the weighted mean of the squared
+/// residuals (in units of the squared thresholds) is at most their maximum, and its least value over all
+/// levelled poses has a closed form, the weighted fit: where that exceeds 1, no pose holds all the matches.
+/// Lawson's weights, multiplied by the residuals again and again, raise it towards the least maximum, so that
+/// either a proof or a pose comes out, or a tie within rounding.
+class Conflicts {
+ public:
+  explicit Conflicts(const LevelMatches& matches) : m_(matches) {}
+
+  /// Whether it is proven that no pose holds all of `list` but `drops` (or fewer): a pose misses a match of
+  /// each conflict, so each match of a small one is left out in turn. Gives up where so many iterations of
+  /// weights show neither a conflict nor a pose. Poses found on the way raise the incumbent.
+  bool hopeless(const std::vector<std::uint32_t>& list, int drops, int iterations, Incumbent& best);
+
+ private:
+  enum class Verdict { kConflict, kPose, kUndecided };
+  struct Weighted {
+    std::vector<std::uint32_t> matches;
+    std::vector<double> weights;  // sum 1
+  };
+  double weighted_mean(const Weighted& set, std::size_t size, LevelPose& pose);
+  Verdict weigh(Weighted& set, int iterations, Incumbent& best);
+  void touch(const Weighted& set, LevelPose& pose) const;
+  std::size_t small_conflict(Weighted& set);
+  bool hopeless(Weighted set, int drops, int iterations, Incumbent& best);
+
+  const LevelMatches& m_;
+  std::vector<double> fit_weights_, squares_;
+};
+
+}  // namespace scanlock

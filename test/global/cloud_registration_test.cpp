@@ -1,0 +1,109 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "global/cloud_registration.hpp"
+
+#include <doctest/doctest.h>
+
+#include <stdexcept>
+
+#include "scenes.hpp"
+
+using namespace scanlock;
+
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+CloudRegistration registered(const PointCloud& source, const PointCloud& target) {
+  return register_raw_clouds(source, target, Eigen::Vector3d::UnitZ(), {}, {});
+}
+
+double angle_between(const Pose& a, const Pose& b) {
+  return so3_log(a.linear().transpose() * b.linear()).norm();
+}
+
+/// A tube of a square section along x, the same everywhere: every shift fits.
+PointCloud corridor(unsigned sampling) {
+  std::mt19937 rng(sampling);
+  const auto uniform = [&](double low, double high) {
+    return static_cast<float>(low + (high - low) * static_cast<double>(rng()) / 4294967295.0);
+  };
+  PointCloud cloud;
+  for (int k = 0; k < 20000; ++k) {
+    const float x = uniform(-20, 20), a = uniform(-2, 2);
+    if (k % 4 == 0) cloud.push_back(x, a, -2);
+    if (k % 4 == 1) cloud.push_back(x, a, 2);
+    if (k % 4 == 2) cloud.push_back(x, -2, a);
+    if (k % 4 == 3) cloud.push_back(x, 2, a);
+  }
+  return cloud;
+}
+
+}  // namespace
+
+TEST_CASE("two looks at one yard register for certain, whatever the yaw") {
+  for (const double yaw : {0.3, 2.0, -2.8}) {
+    const Pose truth = level_pose(yaw, 4, -3, 0.2);
+    const PointCloud target = yard(1, 20), source = moved(yard(1, 21), truth.inverse());
+    const CloudRegistration found = registered(source, target);
+    CHECK(found.verdict == GlobalVerdict::kCertain);
+    CHECK(found.solution.certified);
+    CHECK(found.solution.upper_bound == found.solution.consensus);
+    CHECK(angle_between(found.start, truth) < 1 * kDegree);
+    CHECK((found.start.translation() - truth.translation()).norm() < 0.3);
+    CHECK(angle_between(found.target_from_source, truth) < 0.2 * kDegree);
+    CHECK((found.target_from_source.translation() - truth.translation()).norm() < 0.05);
+    CHECK(found.fit.overlap > 0.5);
+    CHECK(found.fit.contradiction < 0.05);
+    CHECK_FALSE(found.why.empty());
+  }
+}
+
+TEST_CASE("yards of different places do not register for certain") {
+  for (const unsigned other : {5u, 6u, 7u}) {
+    const CloudRegistration found = registered(yard(other, 1), yard(1, 2));
+    CHECK(found.verdict != GlobalVerdict::kCertain);
+    CHECK(found.attempts == CloudRegistrationOptions{}.attempts);
+    CHECK_FALSE(found.why.empty());
+  }
+}
+
+TEST_CASE("a shift along a bare corridor is never certain") {
+  const Pose truth = level_pose(0, 3, 0, 0);
+  const CloudRegistration found = registered(moved(corridor(1), truth.inverse()), corridor(2));
+  CHECK(found.verdict != GlobalVerdict::kCertain);
+}
+
+TEST_CASE("any axis may be up") {
+  Pose tip = Pose::Identity();
+  tip.linear() = so3_exp(Eigen::Vector3d(1.2, -0.4, 0));
+  const Pose level_truth = level_pose(1, 2, 1, 0);
+  const PointCloud target = moved(yard(1, 20), tip), source = moved(yard(1, 21), tip * level_truth.inverse());
+  const CloudRegistration found =
+      register_raw_clouds(source, target, 3.0 * tip.linear() * Eigen::Vector3d::UnitZ(), {}, {});
+  const Pose truth = tip * level_truth * tip.inverse();
+  CHECK(found.verdict == GlobalVerdict::kCertain);
+  CHECK(angle_between(found.target_from_source, truth) < 0.2 * kDegree);
+  CHECK((found.target_from_source.translation() - truth.translation()).norm() < 0.05);
+  CHECK_THROWS_AS(register_raw_clouds(source, target, Eigen::Vector3d::Zero(), {}, {}),
+                  std::invalid_argument);
+}
+
+TEST_CASE("the same clouds give the same answer") {
+  const PointCloud target = yard(3, 1), source = moved(yard(3, 2), level_pose(1, 1, 1, 0));
+  const CloudRegistration a = registered(source, target), b = registered(source, target);
+  CHECK(a.target_from_source.matrix() == b.target_from_source.matrix());
+  CHECK(a.solution.inliers == b.solution.inliers);
+  CHECK(a.why == b.why);
+}
+
+TEST_CASE("nothing to register") {
+  CHECK(registered(PointCloud{}, PointCloud{}).verdict == GlobalVerdict::kNoOverlap);
+  CHECK(registered(yard(1, 1), PointCloud{}).verdict == GlobalVerdict::kNoOverlap);
+  CHECK(registered(PointCloud{}, yard(1, 1)).target_from_source.matrix().allFinite());
+  DescriptionOptions fine, coarse;
+  fine.voxel = 0.5;
+  coarse.voxel = 1;
+  const PointCloud cloud = yard(1, 1);
+  CHECK_THROWS_AS(register_clouds(describe(cloud, fine), describe(cloud, coarse)), std::invalid_argument);
+}
