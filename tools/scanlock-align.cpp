@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "align_matches.hpp"
 #include "evaluation/alignment_picture.hpp"
 #include "geometry/voxel_grid.hpp"
 #include "icp/cloud_alignment.hpp"
@@ -62,7 +63,9 @@ Normals of .ply and .pcd files are used; where they are missing they are estimat
 icp, aa-icp, fast-icp                      squared distances; plain, accelerated by Euler angles, accelerated in se(3)
 robust-icp                                 Welsch's function, nu falling from 3 medians to the sampling of the target
 icp-plane, fast-icp-plane, robust-icp-plane   the same with distances to tangent planes
-symmetric-icp, robust-symmetric-icp        the same with the normals of both clouds)";
+symmetric-icp, robust-symmetric-icp        the same with the normals of both clouds
+
+scanlock-align --correspondences FILE --epsilon METRES solves a file of candidate matches instead; see its --help.)";
 
 int usage(int argc, char** argv, Options& options) {
   CLI::App app{"Aligns SOURCE to TARGET."};
@@ -279,6 +282,7 @@ void run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (wants_matches(argc, argv)) return align_matches(argc, argv);
   Options options;
   const int exit_code = usage(argc, argv, options);
   if (exit_code >= 0) return exit_code;

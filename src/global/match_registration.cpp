@@ -97,6 +97,7 @@ LevelMatches levelled(const Matches& matches, const Frame& frame, const MatchReg
 SearchLimits limits_of(const MatchRegistrationOptions& options) {
   SearchLimits limits;
   limits.nodes = options.max_nodes;
+  limits.progress = options.progress;
   constexpr double kForever = 1e9;
   if (options.budget_s < kForever) {
     limits.deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct MatchRegistrationOptions {
   /// Poses that hold fewer are of no interest: without one that holds so many the consensus is given as 0,
   /// and the upper bound is at_least - 1 when that is proven.
   int at_least = 0;
+  /// Called now and then with what is found and what may be at most, for a progress bar; may be empty.
+  std::function<void(int consensus, int upper_bound)> progress;
   bool runner_up = true;                       ///< look for the runner-up
   double rival_distance = 1.0;                 ///< metres, at the centre of the source points
   double rival_angle = 0.0872664625997164788;  ///< radians

@@ -399,6 +399,9 @@ SearchResult Search::run() {
       result_.upper_bound = std::max({result_.upper_bound, heap_.front().bound, best_.consensus});
       return result_;
     }
+    constexpr std::size_t kNodesBetweenReports = 1024;
+    if (limits_.progress && result_.nodes % kNodesBetweenReports == 0)
+      limits_.progress(best_.consensus, heap_.front().bound);
     Node node = pop();
     ++result_.nodes;
     switch (node.kind) {
