@@ -363,8 +363,11 @@ void Search::search_nearby() {
 }
 
 void Search::offer(const LevelPose& pose, int count, const std::vector<std::uint32_t>& held) {
+  if (excluded_ && excluded_->holds(pose)) return;
+  constexpr std::size_t kClimb = 16;  // times that a climb looks at a match
+  result_.work += kClimb * held.size();
   const int before = best_.consensus;
-  if (count > best_.consensus && !(excluded_ && excluded_->holds(pose))) best_ = {pose, count};
+  if (count > best_.consensus) best_ = {pose, count};
   Incumbent climbed = best_;
   climb(m_, held, climbed);
   if (climbed.consensus > before) polish(m_, climbed);
