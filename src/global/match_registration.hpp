@@ -43,7 +43,8 @@ struct MatchRegistration {
   /// The best pose found that differs from the first by more than rival_distance or rival_angle.
   Pose runner_up = Pose::Identity();
   int runner_up_consensus = 0;
-  int runner_up_bound = 0;  ///< no such pose holds more; the effort spent on this is bounded
+  int runner_up_bound =
+      0;  ///< no such pose holds more; not looked for below half the consensus, and with bounded effort
 
   std::vector<std::uint32_t> inliers;  ///< of target_from_source, ascending
   std::size_t matches = 0, matches_after_pruning = 0, nodes = 0;

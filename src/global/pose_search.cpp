@@ -136,7 +136,7 @@ Node Search::pop() {
 
 /// Slabs over all heights that a pose of some consensus can have.
 void Search::open_slabs() {
-  const double height = 2 * m_.largest_threshold;
+  const double height = 3 * m_.largest_threshold;
   const double outside = m_.largest_threshold * (1 + kRelativeTolerance) + 2 * m_.rounding;
   const double half = 0.5 * height * (1 + 1e-6) + 2 * m_.rounding;  // overlapping
   for (double z = m_.dz.front() - outside; z <= m_.dz.back() + outside;) {
