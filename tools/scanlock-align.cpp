@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "align_global.hpp"
+#include "align_matches.hpp"
 #include "evaluation/alignment_picture.hpp"
 #include "geometry/voxel_grid.hpp"
 #include "icp/cloud_alignment.hpp"
@@ -74,7 +75,9 @@ icp, aa-icp, fast-icp                      squared distances; plain, accelerated
 4dof+robust-icp, 4dof+robust-icp-plane     the same, refined; the former is the default without --init and --chain
 robust-icp                                 Welsch's function, nu falling from 3 medians to the sampling of the target
 icp-plane, fast-icp-plane, robust-icp-plane   the same with distances to tangent planes
-symmetric-icp, robust-symmetric-icp        the same with the normals of both clouds)";
+symmetric-icp, robust-symmetric-icp        the same with the normals of both clouds
+
+scanlock-align --correspondences FILE --epsilon METRES solves a file of candidate matches instead; see its --help.)";
 
 int usage(int argc, char** argv, Options& options) {
   CLI::App app{"Aligns SOURCE to TARGET."};
@@ -400,6 +403,7 @@ void run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (wants_matches(argc, argv)) return align_matches(argc, argv);
   Options options;
   const int exit_code = usage(argc, argv, options);
   if (exit_code >= 0) return exit_code;

@@ -97,6 +97,7 @@ LevelMatches levelled(const Matches& matches, const Frame& frame, const MatchReg
 SearchLimits limits_of(const MatchRegistrationOptions& options) {
   SearchLimits limits;
   limits.nodes = options.max_nodes;
+  limits.progress = options.progress;
   constexpr double kForever = 1e9;
   if (options.budget_s < kForever) {
     limits.deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
@@ -105,18 +106,29 @@ SearchLimits limits_of(const MatchRegistrationOptions& options) {
   return limits;
 }
 
-/// The effort is bounded by what the first search took: the runner-up must not cost more than the answer.
+/// First a pose by a little best-first search, then a bound on all others. A rival of less than half the
+/// consensus is none, so the bound need not come below that; and the effort is bounded, for the runner-up is
+/// harder to prove than the answer.
 void find_runner_up(const LevelMatches& matches, const LevelPose& first,
                     const MatchRegistrationOptions& options, SearchLimits limits, std::size_t work,
                     const Frame& frame, MatchRegistration& result) {
-  constexpr std::size_t kLeastWork = 200'000;
-  limits.work = std::max(kLeastWork, work);
+  constexpr std::size_t kLeastWork = 200'000, kMostWork = 4'000'000;
+  const ExcludedPoses excluded{first, options.rival_angle, options.rival_distance};
   Incumbent rival;
-  const SearchResult search =
-      search_poses(matches, rival, limits, ExcludedPoses{first, options.rival_angle, options.rival_distance});
+  limits.work = kLeastWork;
+  const SearchResult quick = search_poses(matches, rival, limits, excluded);
+  int bound = quick.upper_bound;
+  if (!quick.finished) {
+    Incumbent better = rival;
+    better.consensus = std::max(rival.consensus, result.consensus / 2);
+    const int known = better.consensus;
+    limits.work = std::max(kMostWork, 2 * work);
+    bound = std::min(bound, search_poses(matches, better, limits, excluded).upper_bound);
+    if (better.consensus > known) rival = better;
+  }
   result.runner_up = frame.pose(rival.pose);
   result.runner_up_consensus = rival.consensus;
-  result.runner_up_bound = std::min(search.upper_bound, result.upper_bound);
+  result.runner_up_bound = std::min(bound, result.upper_bound);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct MatchRegistrationOptions {
   /// Poses that hold fewer are of no interest: without one that holds so many the consensus is given as 0,
   /// and the upper bound is at_least - 1 when that is proven.
   int at_least = 0;
+  /// Called now and then with what is found and what may be at most, for a progress bar; may be empty.
+  std::function<void(int consensus, int upper_bound)> progress;
   bool runner_up = true;                       ///< look for the runner-up
   double rival_distance = 1.0;                 ///< metres, at the centre of the source points
   double rival_angle = 0.0872664625997164788;  ///< radians
@@ -40,7 +43,8 @@ struct MatchRegistration {
   /// The best pose found that differs from the first by more than rival_distance or rival_angle.
   Pose runner_up = Pose::Identity();
   int runner_up_consensus = 0;
-  int runner_up_bound = 0;  ///< no such pose holds more; the effort spent on this is bounded
+  int runner_up_bound =
+      0;  ///< no such pose holds more; not looked for below half the consensus, and with bounded effort
 
   std::vector<std::uint32_t> inliers;  ///< of target_from_source, ascending
   std::size_t matches = 0, matches_after_pruning = 0, nodes = 0;

@@ -136,7 +136,7 @@ Node Search::pop() {
 
 /// Slabs over all heights that a pose of some consensus can have.
 void Search::open_slabs() {
-  const double height = 2 * m_.largest_threshold;
+  const double height = 3 * m_.largest_threshold;
   const double outside = m_.largest_threshold * (1 + kRelativeTolerance) + 2 * m_.rounding;
   const double half = 0.5 * height * (1 + 1e-6) + 2 * m_.rounding;  // overlapping
   for (double z = m_.dz.front() - outside; z <= m_.dz.back() + outside;) {
@@ -271,13 +271,15 @@ bool Search::divide(const PoseBox& box, double lever, PoseBox halves[2]) const {
 /// or the box has shrunk.
 void Search::look_for_conflicts(Node& node) {
   constexpr int kMostDrops = 2, kIterations = 16, kMostIterations = 2048;
-  constexpr double kFirstSize = 0.01, kShrunk = 0.125;  // first size in thresholds
+  constexpr double kShrunk = 0.125;
+  constexpr std::size_t kFew = 12;                                     // matches that cost next to nothing
+  const double first_size = node.matches.size() <= kFew ? 0.5 : 0.01;  // in thresholds
   const int drops = static_cast<int>(node.matches.size()) - wanted();
   const double size = longest_side(node.box, node.lever) / m_.largest_threshold;
   const bool shrunk = size <= kShrunk * node.tried_size;
-  if (size > kFirstSize || drops > kMostDrops || (drops >= node.tried_drops && !shrunk)) return;
+  if (size > first_size || drops > kMostDrops || (drops >= node.tried_drops && !shrunk)) return;
   node.iterations =
-      std::min(kMostIterations, shrunk && node.tried_size < kFirstSize ? 4 * node.iterations : kIterations);
+      std::min(kMostIterations, shrunk && node.tried_size < first_size ? 4 * node.iterations : kIterations);
   node.tried_drops = drops;
   node.tried_size = size;
   Incumbent found = best_;
@@ -363,8 +365,11 @@ void Search::search_nearby() {
 }
 
 void Search::offer(const LevelPose& pose, int count, const std::vector<std::uint32_t>& held) {
+  if (excluded_ && excluded_->holds(pose)) return;
+  constexpr std::size_t kClimb = 16;  // times that a climb looks at a match
+  result_.work += kClimb * held.size();
   const int before = best_.consensus;
-  if (count > best_.consensus && !(excluded_ && excluded_->holds(pose))) best_ = {pose, count};
+  if (count > best_.consensus) best_ = {pose, count};
   Incumbent climbed = best_;
   climb(m_, held, climbed);
   if (climbed.consensus > before) polish(m_, climbed);
@@ -399,6 +404,9 @@ SearchResult Search::run() {
       result_.upper_bound = std::max({result_.upper_bound, heap_.front().bound, best_.consensus});
       return result_;
     }
+    constexpr std::size_t kNodesBetweenReports = 1024;
+    if (limits_.progress && result_.nodes % kNodesBetweenReports == 0)
+      limits_.progress(best_.consensus, heap_.front().bound);
     Node node = pop();
     ++result_.nodes;
     switch (node.kind) {

@@ -1,0 +1,29 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+
+#include "geometry/rigid.hpp"
+#include "global/matches.hpp"
+
+namespace scanlock {
+
+struct MatchRansacOptions {
+  double epsilon = 0.1;      ///< metres
+  double confidence = 0.99;  ///< that a sample of inliers was drawn, if the best pose is the right one
+  std::size_t most_samples = 1'000'000;
+  unsigned seed = 1;
+};
+
+struct MatchRansac {
+  Pose target_from_source = Pose::Identity();
+  int consensus = 0;
+  std::size_t samples = 0;
+};
+
+/// A baseline for the benchmark, nothing uses it: RANSAC over levelled motions (up is z) with samples of two
+/// matches, the paper's weaker peer. No certificate; the same seed gives the same answer.
+MatchRansac ransac_matches(const Matches& matches, const MatchRansacOptions& options);
+
+}  // namespace scanlock
