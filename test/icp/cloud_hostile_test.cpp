@@ -145,3 +145,15 @@ TEST_CASE("clouds that share nothing are no NaN") {
   for (float& x : source.x) x += 1e4f;
   with_every_method(source, target, [](const CloudAlignment&) {});
 }
+
+TEST_CASE("clouds that never lay over each other fit badly, and say so") {
+  Random random(7);
+  const PointCloud target = room(random, 2000);
+  PointCloud source;  // a ball of ten metres far away
+  for (int i = 0; i < 2000; ++i)
+    source.push_back(Eigen::Vector3f((10.0 * random.vector().normalized()).cast<float>()) +
+                     Eigen::Vector3f(1e3f, 0, 0));
+  with_every_method(source, target, [](const CloudAlignment& result) {
+    CHECK((result.inlier_ratio < 0.2 || result.stop_reason == "degenerate"));
+  });
+}
