@@ -27,7 +27,7 @@ constexpr std::size_t kMostPlaces = 5;  // tried at once
 constexpr int kPatience = 20;           // scans in which a lost tracker feels around on each,
 constexpr int kSeldom = 5;              // and after that on every fifth
 constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
-constexpr double kWaryShare = 0.85;     // of the usual share of inliers
+constexpr double kUsualShare = 0.8;     // of the usual share of inliers: less is new ground, or another place
 constexpr int kQuietScans = 5;          // after that, before the map may grow
 constexpr int kFalseStarts = 3;         // scans that do not fit the first one: it was no good
 constexpr double kCoastSeconds =
@@ -108,22 +108,26 @@ struct Tracker::State {
   }
 
   /// Whether the robot can have come there, as far as its motion is known: a place that explains the scan may
-  /// be another that looks the same.
+  /// be another that looks the same. Where much of the scan is left unexplained, by new ground or by another
+  /// place, it has to be where it was predicted.
   static bool plausible(const Attempt& attempt) {
     const Matrix12 covariance = attempt.prior.information.inverse();
-    const double metres = 1.0 + 5.0 * std::sqrt(covariance.diagonal().head<3>().maxCoeff());
-    const double radians = 10.0 * kDegree + 5.0 * std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
-    return near(attempt.alignment.moving.pose, attempt.prior.mean.pose, metres, radians);
+    const double metres = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
+    const double radians = std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
+    const Pose &found = attempt.alignment.moving.pose, &predicted = attempt.prior.mean.pose;
+    if (usual_share(attempt.health))
+      return near(found, predicted, 1.0 + 5.0 * metres, 10.0 * kDegree + 5.0 * radians);
+    return near(found, predicted, 0.1 + 2.0 * metres, 2.0 * kDegree + 2.0 * radians);
   }
+
+  static bool usual_share(const Health& health) { return health.share >= kUsualShare * health.usual_share; }
 
   void track_on(std::int64_t utime, const PreparedScan& scan, const MotionPrior& prior,
                 TrackedScan* tracked) {
     Attempt attempt = odometer.deskew_first(scan, align_or_retry(scan, prior));
     finished(Stage::kAlign);
-    // Who doubts already is not convinced by a part of the scan.
     const bool wary = distrusted_scans > 0 && state != TrackingState::kInitialising;
-    const bool enough = !wary || attempt.health.share > kWaryShare * attempt.health.usual_share;
-    if (explains(attempt, wary ? kCalmScore : kJumpScore) && enough && plausible(attempt)) {
+    if (explains(attempt, wary ? kCalmScore : kJumpScore) && plausible(attempt)) {
       believe(utime, scan, attempt);
       state = TrackingState::kTracking;
       describe(attempt, PoseMethod::kIcp, tracked);
@@ -223,9 +227,10 @@ struct Tracker::State {
     prior.information = prior_information(gate_m, gate_rad, excursion->covariance());
     *attempt = odometer.align(scan, prior, gate_m < kFarGate ? Reach::kNear : Reach::kFar);
     const Pose& found = attempt->alignment.moving.pose;
-    const bool plausible = standing ? near(found, last_trusted_pose, 0.5, 5.0 * kDegree)
-                                    : near(found, predicted.pose, gate_m, gate_rad);
-    if (!plausible || !explains(*attempt, kCalmScore)) return false;
+    const double share = usual_share(attempt->health) ? 1.0 : 0.4;  // of the gate
+    const bool there = standing ? near(found, last_trusted_pose, share * 0.5, share * 5.0 * kDegree)
+                                : near(found, predicted.pose, share * gate_m, share * gate_rad);
+    if (!there || !explains(*attempt, kCalmScore)) return false;
     candidate = Candidate{Contest({renormalised(found * predicted.pose.inverse())}, 1), std::nullopt};
     return false;
   }
