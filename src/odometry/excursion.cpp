@@ -32,7 +32,7 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
     return false;
   }
   odometer_.accept(attempt);
-  odometer_.keep(utime, scan, attempt.health.overlap);
+  odometer_.keep(utime, scan, attempt.health.share);
   ++scans_;
   return true;
 }

@@ -19,6 +19,7 @@ constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is bette
 constexpr double kFirstSigma = 0.03;
 constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on Gaussian residuals
 
+constexpr double kLeastShare = 0.3;
 constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history says
 constexpr double kMostAtFirst = 0.7;  // a map of one scan is thin
@@ -71,7 +72,7 @@ ScanAlignmentOptions Odometer::options(double reach_m, Reach reach) const {
   result.nu_min = kKernel * sigma_;
   result.nu_max = (far ? 20.0 : 8.0) * reach_m;
   result.gate_margin = (far ? 3.0 : 1.5) * reach_m;
-  result.sigma = sigma_ * std::sqrt(kVarianceInflation);
+  result.sigma = sigma_ * std::sqrt(inflation());
   result.threads = config_.threads;
   return result;
 }
@@ -104,10 +105,15 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, Attempt attempt) {
   return attempt;
 }
 
+double Odometer::inflation() const {
+  return kVarianceInflation / (share_ * share_ * share_);
+}
+
 void Odometer::accept(const Attempt& attempt) {
+  share_ += 0.3 * (std::max(attempt.health.share, kLeastShare) - share_);
   const double seen = std::max(1.4826 * attempt.alignment.median_residual, kLeastSigma);
   sigma_ += 0.1 * (std::min(seen, 2.0 * sigma_) - sigma_);
-  filter_.update(attempt.prior, attempt.alignment, sigma_ * sigma_ * kVarianceInflation);
+  filter_.update(attempt.prior, attempt.alignment, sigma_ * sigma_ * inflation());
   health_.remember(attempt.health);
 }
 

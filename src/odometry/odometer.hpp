@@ -72,6 +72,10 @@ class Odometer {
   MotionFilter filter_;
   ScanAligner aligner_;
   HealthMonitor health_;
+  /// Of a residual's variance: what is left unexplained by planes and lines bends what is explained.
+  double inflation() const;
+  double share_ = 1;  ///< of a scan that is explained, smoothed
+
   double sigma_;  ///< metres, of a residual: robust, smoothed
   Pose last_keyframe_pose_ = Pose::Identity();
   Keyframe first_;  ///< its points as they came, until their motion is known

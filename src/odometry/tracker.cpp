@@ -29,6 +29,7 @@ constexpr int kSeldom = 5;              // and after that on every fifth
 constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
 constexpr double kUsualShare = 0.8;     // of the usual share of inliers: less is new ground, or another place
 constexpr int kQuietScans = 5;          // after that, before the map may grow
+constexpr int kAttitudes = 100;         // that the upward direction is averaged over
 constexpr int kFalseStarts = 3;         // scans that do not fit the first one: it was no good
 constexpr double kCoastSeconds =
     3.0;  // a robot that sees nothing is predicted at its last velocity for so long, then as standing
@@ -50,6 +51,7 @@ struct Tracker::State {
   Odometer odometer;
   KeyframeArchive archive;
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  // in the map frame
+  int attitudes = 0;                              // that `up` is the mean of
 
   TrackingState state = TrackingState::kInitialising;
   std::uint32_t epoch = 0;
@@ -87,6 +89,25 @@ struct Tracker::State {
 
   // ---- on known ground
 
+  /// Where the robot should be by now: by its velocity, or by what its odometry says it has moved. What is
+  /// known of both is the same: an odometry that slips must not weigh more than a velocity that changes.
+  MotionPrior predict(double dt, const ScanPrior& hints) const {
+    MotionPrior prior = odometer.predict(dt);
+    if (!hints.motion || dt <= 0) return prior;
+    prior.mean.pose = renormalised(odometer.state().pose * *hints.motion);
+    prior.mean.twist = se3_log(*hints.motion) / dt;
+    return prior;
+  }
+
+  /// Keeps which way is up in the map, from the attitudes that come with trusted scans.
+  void note_attitude(const ScanPrior& hints) {
+    if (!hints.level_from_body) return;
+    const Eigen::Vector3d seen =
+        odometer.state().pose.linear() * (hints.level_from_body->conjugate() * Eigen::Vector3d::UnitZ());
+    attitudes = std::min(attitudes + 1, kAttitudes);
+    up = (up + (seen - up) / attitudes).normalized();
+  }
+
   void start(std::int64_t utime, const PreparedScan& scan) {
     odometer.start(utime, scan, start_pose);
     last_trusted_pose = start_pose;
@@ -96,13 +117,17 @@ struct Tracker::State {
   }
 
   /// The prior is strong where the robot does what it did; where that does not explain the scan, it is let go
-  /// once and a wider kernel tried.
+  /// once and a wider kernel tried, from the prediction and from where the robot was last seen.
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
     Attempt best = odometer.align(scan, prior, Reach::kNear);
     if (explains(best, kJumpScore) || distrusted_scans > 0) return best;
     MotionPrior loose = prior;
     loose.information *= 0.01;
     best = better(std::move(best), odometer.align(scan, loose, Reach::kFar));
+    if (!explains(best, kJumpScore)) {
+      loose.mean = {last_trusted_pose, Vector6::Zero()};
+      best = better(std::move(best), odometer.align(scan, loose, Reach::kFar));
+    }
     best.prior = prior;
     return best;
   }
@@ -154,7 +179,7 @@ struct Tracker::State {
       --quiet_scans_left;
       return;
     }
-    odometer.keep(utime, scan, attempt.health.overlap);
+    odometer.keep(utime, scan, attempt.health.share);
     if (archive.wants(last_trusted_pose.translation(), scan.median_range))
       archive.add(utime, last_trusted_pose, scan.median_range, deskewed(scan.source, odometer.state().twist));
   }
@@ -357,7 +382,7 @@ Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 
-TrackedScan Tracker::track(const Scan& scan, const ScanPrior& /*hints*/) {
+TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
   TrackedScan tracked;
   tracked.utime = scan.utime;
   tracked.points_in = static_cast<int>(scan.points.size());
@@ -391,14 +416,15 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& /*hints*/) {
     s.begun = true;
   } else if (!seen) {
     if (s.excursion) s.excursion->coast(dt);
-    s.coast(scan.utime, s.odometer.predict(dt));
+    s.coast(scan.utime, s.predict(dt, hints));
     tracked.method = PoseMethod::kPredicted;
     tracked.stop_reason = StopReason::kTooFewPoints;
   } else if (s.lost()) {
     s.track_lost(scan.utime, dt, prepared, &tracked);
   } else {
-    s.track_on(scan.utime, prepared, s.odometer.predict(dt), &tracked);
+    s.track_on(scan.utime, prepared, s.predict(dt, hints), &tracked);
   }
+  if (tracked.method == PoseMethod::kIcp) s.note_attitude(hints);
   s.last_utime = scan.utime;
   s.search.note_scene(prepared.median_range);
   s.report(&tracked);

@@ -1,0 +1,166 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/recovery.hpp"
+
+#include <doctest/doctest.h>
+
+#include "odometry/tracker.hpp"
+#include "room.hpp"
+
+using namespace scanlock;
+
+namespace {
+
+constexpr double kDegree = 3.14159265358979 / 180.0;
+
+Pose at(double x, double y, double yaw) {
+  Pose pose = Pose::Identity();
+  pose.linear() = so3_exp(Eigen::Vector3d(0, 0, yaw));
+  pose.translation() << x, y, 0;
+  return pose;
+}
+
+std::int64_t utime(int i) {
+  return 1000000 + 100000 * static_cast<std::int64_t>(i);
+}
+
+/// A sensor that drives a straight line of 1 m/s, is carried away at scan `kidnap`, and drives on there.
+struct Drive {
+  int kidnap;
+  Pose there;
+  Vector6 velocity = (Vector6() << 1, 0, 0, 0, 0, 0.1).finished();
+  Pose pose(int i) const {
+    return i < kidnap ? at(-8, 0, 0) * se3_exp(0.1 * i * velocity)
+                      : there * se3_exp(0.1 * (i - kidnap) * velocity);
+  }
+  Scan scan(int i) const { return hall_scan(pose(i), velocity, utime(i), static_cast<unsigned>(i)); }
+};
+
+/// Tracks a scan and answers what the tracker asks, at once.
+TrackedScan step(Tracker& tracker, PlaceFinder& finder, const Scan& scan) {
+  const TrackedScan tracked = tracker.track(scan);
+  if (const auto request = tracker.take_request()) tracker.give(finder.find(*request));
+  return tracked;
+}
+
+double error(const Pose& truth, const Pose& found) {
+  return (truth.translation() - found.translation()).norm() +
+         so3_log(truth.linear().transpose() * found.linear()).norm();
+}
+
+}  // namespace
+
+TEST_CASE("a kidnapped robot comes back with a certificate and in the same frame") {
+  const Drive drive{60, at(-4, 1, 150 * kDegree)};
+  Tracker tracker(TrackerConfig{});
+  PlaceFinder finder;
+  int accepted = 0, back = -1;
+  for (int i = 0; i < 95; ++i) {
+    const TrackedScan tracked = step(tracker, finder, drive.scan(i));
+    const Pose truth = drive.pose(0).inverse() * drive.pose(i);
+    if (i >= drive.kidnap && i < drive.kidnap + 2) CHECK(tracked.state != TrackingState::kTracking);
+    if (tracked.state == TrackingState::kTracking) {
+      CHECK(error(truth, tracked.map_from_body) < 0.1);
+      if (i > drive.kidnap && back < 0) back = i;
+    }
+    if (!tracked.recovery) continue;
+    if (!tracked.recovery->accepted) continue;
+    CHECK(tracked.recovery->search.certified);
+    ++accepted;
+    CHECK(tracked.method == PoseMethod::kGlobal);
+    CHECK(tracked.recovery->epoch == 1);
+    CHECK(tracked.recovery->search.consensus == tracked.recovery->search.upper_bound);
+    CHECK(tracked.recovery->energy_after < tracked.recovery->energy_before);
+  }
+  CHECK(accepted == 1);
+  CHECK(back > 0);
+  CHECK(back <= drive.kidnap + 30);
+}
+
+TEST_CASE("a saved map is found again by another run") {
+  const Drive drive{1000, Pose::Identity()};
+  Tracker first(TrackerConfig{});
+  for (int i = 0; i < 60; ++i) first.track(drive.scan(i));
+  Tracker second(TrackerConfig{});
+  PlaceFinder finder;
+  second.load(first.save());
+  const Drive later{0, at(-3, 1, 2.0)};
+  TrackedScan tracked;
+  for (int i = 0; i < 30; ++i) {
+    tracked = step(second, finder, later.scan(i));
+    if (tracked.state == TrackingState::kTracking) break;
+    CHECK(tracked.method != PoseMethod::kIcp);
+  }
+  REQUIRE(tracked.state == TrackingState::kTracking);
+  CHECK(tracked.epoch == 2);  // one for the loading, one for the finding
+  CHECK(
+      (tracked.map_from_body.translation() - (drive.pose(0).inverse() * at(-3, 1, 0)).translation()).norm() <
+      4);
+  for (int i = 30; i < 35; ++i) tracked = step(second, finder, later.scan(i));
+  CHECK(error(drive.pose(0).inverse() * later.pose(34), tracked.map_from_body) < 0.1);
+}
+
+TEST_CASE("recoveries are the same in every run and for every number of threads") {
+  const Drive drive{40, at(-5, -1, 100 * kDegree)};
+  TrackerConfig one, two;
+  two.threads = 2;
+  Tracker a(one), b(two);
+  PlaceFinder finder_a, finder_b;
+  for (int i = 0; i < 60; ++i) {
+    const TrackedScan x = step(a, finder_a, drive.scan(i)), y = step(b, finder_b, drive.scan(i));
+    CHECK((x.map_from_body.matrix().array() == y.map_from_body.matrix().array()).all());
+    CHECK(x.state == y.state);
+    CHECK(x.recovery.has_value() == y.recovery.has_value());
+  }
+}
+
+TEST_CASE("an answer that comes too late is not used") {
+  const Drive drive{40, at(-5, -1, 100 * kDegree)};
+  Tracker tracker(TrackerConfig{});
+  PlaceFinder finder;
+  std::optional<RecoveryRequest> request;
+  int i = 0;
+  for (; i < 70 && !request; ++i) {
+    tracker.track(drive.scan(i));
+    request = tracker.take_request();
+  }
+  REQUIRE(request);
+  tracker.reset();
+  tracker.give(finder.find(*request));
+  const TrackedScan tracked = tracker.track(drive.scan(i));
+  CHECK(tracked.state == TrackingState::kInitialising);
+  CHECK_FALSE(tracked.recovery.has_value());
+}
+
+TEST_CASE("a pose that somebody sets is taken up in the same map") {
+  const Drive drive{1000, Pose::Identity()};
+  Tracker tracker(TrackerConfig{});
+  for (int i = 0; i < 60; ++i) tracker.track(drive.scan(i));
+  const Drive carried{0, drive.pose(20)};
+  const Pose truth = drive.pose(0).inverse() * carried.pose(60);
+  tracker.set_pose(at(0.2, -0.2, 0.05) * truth);
+  TrackedScan tracked;
+  for (int i = 60; i < 66; ++i) tracked = tracker.track(carried.scan(i));
+  CHECK(tracked.state == TrackingState::kTracking);
+  CHECK(tracked.epoch == 1);
+  CHECK(error(drive.pose(0).inverse() * carried.pose(65), tracked.map_from_body) < 0.1);
+}
+
+TEST_CASE("odometry that comes with the scans bridges what a velocity cannot") {
+  const Drive before{1000, Pose::Identity()};
+  Tracker with(TrackerConfig{}), without(TrackerConfig{});
+  for (int i = 0; i < 20; ++i) {
+    with.track(before.scan(i));
+    without.track(before.scan(i));
+  }
+  // Blind for a while, in which the robot turns round where it stands.
+  Scan blind;
+  blind.utime = utime(20);
+  const Pose turned = before.pose(19) * at(0.3, 0, 170 * kDegree);
+  ScanPrior prior;
+  prior.motion = before.pose(19).inverse() * turned;
+  const TrackedScan a = with.track(blind, prior), b = without.track(blind);
+  const Pose truth = before.pose(0).inverse() * turned;
+  CHECK(error(truth, a.map_from_body) < 0.1);
+  CHECK(error(truth, b.map_from_body) > 1);
+}
