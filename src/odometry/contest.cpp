@@ -9,8 +9,10 @@ namespace scanlock {
 namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180.0;
-constexpr double kCalmScore = 4.0;  // robust z-score of the energy that a scan must get below
-constexpr int kWins = 3;            // scans in a row
+constexpr double kCalmScore = 4.0;    // robust z-score of the energy that a scan must get below
+constexpr double kUsualShare = 0.75;  // of the usual share of inliers that a place has to have,
+constexpr double kLeastShare = 0.5;   // and where nothing is usual yet
+constexpr int kWins = 3;              // scans in a row
 constexpr int kMissesAllowed = 1;
 constexpr int kPatience = 8;       // scans in which it has to be decided
 constexpr double kClearly = 1.3;   // times the cost of the leader, and
@@ -51,8 +53,10 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Movi
   prior.information = prior_information(metres, radians, covariance);
   place.attempt = odometer.align(scan, prior, Reach::kNear);
   const Pose& found = place.attempt.alignment.moving.pose;
-  place.fits =
-      explains(place.attempt, kCalmScore) && near(found, prior.mean.pose, 3.0 * metres, 3.0 * radians);
+  const Health& health = place.attempt.health;
+  const double share = health.usual_share > 0 ? kUsualShare * health.usual_share : kLeastShare;
+  place.fits = explains(place.attempt, kCalmScore) && health.share >= share &&
+               near(found, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   if (place.fits) {
     place.map_from_predicted = renormalised(found * predicted.pose.inverse());
     place.tried = true;

@@ -53,7 +53,6 @@ void Odometer::reload(const std::vector<ArchivedKeyframe>& archived, const Eigen
                    [&](const auto* a, const auto* b) { return distance(a) < distance(b); });
   nearest.resize(std::min(nearest.size(), static_cast<std::size_t>(config_.max_keyframes)));
   map_.clear();
-  health_.forget();
   first_.points = {};
   // The nearest last: the map forgets from the front.
   for (auto k = nearest.rbegin(); k != nearest.rend(); ++k) {

@@ -38,7 +38,7 @@ class Odometer {
 
   /// The scan becomes the map; the velocity is unknown.
   void start(std::int64_t utime, const PreparedScan& scan, const Pose& map_from_body);
-  /// The map becomes what was archived around `centre` (map frame); the health forgets.
+  /// The map becomes what was archived around `centre` (map frame). What is usual stays.
   void reload(const std::vector<ArchivedKeyframe>& archived, const Eigen::Vector3d& centre, double voxel);
 
   /// At rest there, the velocity unknown.

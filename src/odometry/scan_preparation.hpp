@@ -41,6 +41,9 @@ struct PreparedScan {
   double voxel = 0;         ///< metres, of `fine`
   double median_range = 0;  ///< metres
 };
+/// Whether there are points on all sides (of the z axis), but for a quarter at most.
+bool looks_around(const PointCloud& points);
+
 PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, VoxelScale* scale, bool first,
                        int max_source_points);
 

@@ -27,10 +27,11 @@ constexpr std::size_t kMostPlaces = 5;  // tried at once
 constexpr int kPatience = 20;           // scans in which a lost tracker feels around on each,
 constexpr int kSeldom = 5;              // and after that on every fifth
 constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
-constexpr double kUsualShare = 0.8;     // of the usual share of inliers: less is new ground, or another place
-constexpr int kQuietScans = 5;          // after that, before the map may grow
-constexpr int kAttitudes = 100;         // that the upward direction is averaged over
-constexpr int kFalseStarts = 3;         // scans that do not fit the first one: it was no good
+constexpr double kNewGroundShare = 0.6, kFitScore = 3.0;
+constexpr double kUsualShare = 0.8;  // of the usual share of inliers: less is new ground, or another place
+constexpr int kQuietScans = 5;       // after that, before the map may grow
+constexpr int kAttitudes = 100;      // that the upward direction is averaged over
+constexpr int kFalseStarts = 3;      // scans that do not fit the first one: it was no good
 constexpr double kCoastSeconds =
     3.0;  // a robot that sees nothing is predicted at its last velocity for so long, then as standing
 
@@ -145,6 +146,12 @@ struct Tracker::State {
     return near(found, predicted, 0.1 + 2.0 * metres, 2.0 * kDegree + 2.0 * radians);
   }
 
+  /// A sensor that looks all around does not see new ground on all sides at once.
+  static bool elsewhere(const PreparedScan& scan, const Health& health) {
+    return health.score > kFitScore && health.share < kNewGroundShare * health.usual_share &&
+           looks_around(scan.source);
+  }
+
   static bool usual_share(const Health& health) { return health.share >= kUsualShare * health.usual_share; }
 
   void track_on(std::int64_t utime, const PreparedScan& scan, const MotionPrior& prior,
@@ -152,7 +159,8 @@ struct Tracker::State {
     Attempt attempt = odometer.deskew_first(scan, align_or_retry(scan, prior));
     finished(Stage::kAlign);
     const bool wary = distrusted_scans > 0 && state != TrackingState::kInitialising;
-    if (explains(attempt, wary ? kCalmScore : kJumpScore) && plausible(attempt)) {
+    if (explains(attempt, wary ? kCalmScore : kJumpScore) && plausible(attempt) &&
+        !elsewhere(scan, attempt.health)) {
       believe(utime, scan, attempt);
       state = TrackingState::kTracking;
       describe(attempt, PoseMethod::kIcp, tracked);
