@@ -154,13 +154,23 @@ struct Tracker::State {
 
   static bool usual_share(const Health& health) { return health.share >= kUsualShare * health.usual_share; }
 
-  void track_on(std::int64_t utime, const PreparedScan& scan, const MotionPrior& prior,
-                TrackedScan* tracked) {
-    Attempt attempt = odometer.deskew_first(scan, align_or_retry(scan, prior));
-    finished(Stage::kAlign);
+  bool trusted(const PreparedScan& scan, const Attempt& attempt) const {
     const bool wary = distrusted_scans > 0 && state != TrackingState::kInitialising;
-    if (explains(attempt, wary ? kCalmScore : kJumpScore) && plausible(attempt) &&
-        !elsewhere(scan, attempt.health)) {
+    return explains(attempt, wary ? kCalmScore : kJumpScore) && plausible(attempt) &&
+           !elsewhere(scan, attempt.health);
+  }
+
+  void track_on(std::int64_t utime, const PreparedScan& scan, double dt, const ScanPrior& hints,
+                TrackedScan* tracked) {
+    MotionPrior prior = odometer.predict(dt);
+    Attempt attempt = odometer.deskew_first(scan, align_or_retry(scan, prior));
+    if (hints.motion && !trusted(scan, attempt)) {  // what others say is asked where the scans do not suffice
+      prior = predict(dt, hints);
+      Attempt hinted = odometer.align(scan, prior, Reach::kNear);
+      if (trusted(scan, hinted)) attempt = std::move(hinted);
+    }
+    finished(Stage::kAlign);
+    if (trusted(scan, attempt)) {
       believe(utime, scan, attempt);
       state = TrackingState::kTracking;
       describe(attempt, PoseMethod::kIcp, tracked);
@@ -173,7 +183,7 @@ struct Tracker::State {
       return;
     }
     energy_before = attempt.health.energy;
-    begin_or_follow(utime, static_cast<double>(utime - last_utime) * kMicro, scan);
+    begin_or_follow(utime, dt, scan);
   }
 
   void believe(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) {
@@ -430,7 +440,7 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
   } else if (s.lost()) {
     s.track_lost(scan.utime, dt, prepared, &tracked);
   } else {
-    s.track_on(scan.utime, prepared, s.predict(dt, hints), &tracked);
+    s.track_on(scan.utime, prepared, dt, hints, &tracked);
   }
   if (tracked.method == PoseMethod::kIcp) s.note_attitude(hints);
   s.last_utime = scan.utime;
