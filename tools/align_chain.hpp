@@ -76,7 +76,7 @@ inline void print_chain(const AlignOptions& options, const Json& json, const Tra
   }
   for (const auto& link : json["links"]) {
     const std::string reason = link["stop_reason"];
-    if (!reason.empty() && reason != "converged")
+    if (!reason.empty() && reason != "converged" && reason != "start")
       std::cerr << link["source"].get<std::string>() << ": " << reason << "\n";
   }
 }
@@ -86,8 +86,9 @@ inline void run_chain(const AlignOptions& options) {
   std::vector<std::string> paths = {options.source, options.target};
   paths.insert(paths.end(), options.more.begin(), options.more.end());
   const std::string refining = refining_method(options.method);
-  CloudChain chain(refining.empty() ? CloudMethod{} : *find_cloud_method(refining),
-                   alignment_options(options),
+  CloudAlignmentOptions alignment = alignment_options(options);
+  alignment.start_may_be_better = is_global(options.method);
+  CloudChain chain(refining.empty() ? CloudMethod{} : *find_cloud_method(refining), alignment,
                    options.voxel >= 0 ? std::optional<double>(options.voxel) : std::nullopt);
   std::optional<ProgressBar> bar(std::in_place, "aligning");
   PointCloud map, before;

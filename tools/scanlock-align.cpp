@@ -147,13 +147,16 @@ void run(const AlignOptions& options) {
   const std::size_t target_points = target_cloud.size();
   if (options.picture.empty()) target_file = PointCloud{};  // the target has its own copy
   ms.index = watch.lap();
-  if (method.needs_normals()) target.prepare_normals(options.threads);
+  if (method.needs_normals() || global) target.prepare_normals(options.threads);
   ms.normals = watch.lap();
   CloudAlignmentOptions alignment = alignment_options(options);
   alignment.voxel = voxel;
   std::optional<ProgressBar> bar(std::in_place, "aligning");
   alignment.progress = [&](double share) { bar->update(static_cast<std::uint64_t>(1000 * share), 1000); };
-  if (global && global->found() && !(options.nu_max > 0)) alignment.nu_max = global->registration.epsilon;
+  if (global && global->found()) {
+    alignment.start_may_be_better = true;
+    if (!(options.nu_max > 0)) alignment.nu_max = global->registration.epsilon;
+  }
   CloudAlignment result;
   try {
     if (refining.empty()) {

@@ -23,13 +23,14 @@ std::optional<CloudAlignment> CloudChain::add(const PointCloud& cloud,
                                               const std::optional<ChainGuess>& guess) {
   const double own_voxel = voxel_ ? *voxel_ : sensible_voxel(cloud);
   auto own = std::make_unique<CloudTarget>(thinned_by(cloud, own_voxel), options_.threads);
-  if (method_.needs_normals()) own->prepare_normals(options_.threads);
+  if (method_.needs_normals() || options_.start_may_be_better) own->prepare_normals(options_.threads);
 
   std::optional<CloudAlignment> alignment;
   if (target_) {
     const PointCloud source = thinned_by(cloud, target_voxel_);
     CloudAlignmentOptions options = options_;
     options.voxel = target_voxel_;
+    options.start_may_be_better = options.start_may_be_better && guess;
     if (guess && guess->nu_max > 0) options.nu_max = guess->nu_max;
     alignment.emplace();
     alignment->target_from_source = guess ? guess->target_from_source : likely_motion(source);

@@ -22,6 +22,7 @@ struct ChainGuess {
 class CloudChain {
  public:
   /// `voxel`: metres to thin to, 0 for all points; nothing: chosen for each target by sensible_voxel().
+  /// `options.start_may_be_better` speaks of guesses that are given.
   CloudChain(const CloudMethod& method, const CloudAlignmentOptions& options, std::optional<double> voxel);
   ~CloudChain();
 
