@@ -153,4 +153,26 @@ Matches match(const CloudDescription& source, const CloudDescription& target, in
   return matches;
 }
 
+CloudDescription part(const CloudDescription& whole, std::size_t stride) {
+  CloudDescription result;
+  result.points = whole.points;
+  result.voxel = whole.voxel;
+  const std::size_t count = (whole.keypoints.size() + stride - 1) / stride;
+  result.descriptors.resize(static_cast<Eigen::Index>(count), whole.descriptors.cols());
+  for (std::size_t k = 0; k < count; ++k) {
+    result.keypoints.push_back(whole.keypoints[k * stride]);
+    result.descriptors.row(static_cast<Eigen::Index>(k)) =
+        whole.descriptors.row(static_cast<Eigen::Index>(k * stride));
+  }
+  return result;
+}
+
+CloudDescription redescribed(const CloudDescription& old, double feature_radius, std::size_t keypoints) {
+  DescriptionOptions options = old.options;
+  options.voxel = old.voxel;
+  options.feature_radius = feature_radius;
+  options.keypoints = keypoints;
+  return describe(old.points, options);
+}
+
 }  // namespace scanlock

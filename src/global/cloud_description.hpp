@@ -55,4 +55,9 @@ CloudDescription describe(const PointCloud& cloud, const DescriptionOptions& opt
 /// Candidate correspondences: keypoints each among the `lambda` nearest of the other by descriptor.
 Matches match(const CloudDescription& source, const CloudDescription& target, int lambda = 4);
 
+/// The description with every n-th keypoint.
+CloudDescription part(const CloudDescription& whole, std::size_t stride);
+/// The same points, described anew: radius in voxels, keypoints at most.
+CloudDescription redescribed(const CloudDescription& old, double feature_radius, std::size_t keypoints);
+
 }  // namespace scanlock

@@ -10,27 +10,23 @@
 #include <utility>
 
 #include "geometry/rigid_fit.hpp"
+#include "global/attitude_search.hpp"
 #include "global/cpu_clock.hpp"
+#include "global/hypothesis.hpp"
 #include "icp/cloud_alignment.hpp"
 
 namespace scanlock {
 namespace {
 
 constexpr double kEpsilonOfVoxel = 0.75;
-constexpr double kRivalEpsilons = 4, kRivalAngle = 0.1;
-constexpr int kFewestMatches = 8;  // consensus below which nothing is believed
-constexpr double kLeastOverlap = 0.3, kMostContradiction = 0.09;
-constexpr double kMostResidual = 0.18;  // voxels
 constexpr double kStrongOverlap = 0.55, kStrongLeastOverlap = 0.4, kStrongContradiction = 0.03;
 constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
 // Rooms of one building can look alike to half their surfaces, but the walls of the one stand in the free
 // space of the other.
 constexpr double kClearContradiction = 0.04;
 constexpr int kGuidedLambda = 10;
-constexpr double kPriceOfContradiction = 2;         // of overlap
-constexpr double kRefuted = 0.12, kHopeless = 0.5;  // contradictions; the latter before the refinement
-constexpr double kClearMargin = 1.3;                // of the consensus over its runner-up
-constexpr double kNoRival = 2;                      // the same
+constexpr double kHopeless = 0.5;  // contradiction, before the refinement
+constexpr double kNoRival = 2;     // the same
 constexpr int kPreciseMatches = 24;
 // Who draws long enough finds what looks right: later match sets have to pass both tests.
 constexpr int kPlainAttempts = 2;
@@ -38,28 +34,6 @@ constexpr int kPeels = 4;
 constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
 constexpr int kRounds = 8;
 constexpr std::size_t kManyKeypoints = 300;
-constexpr double kRivalOverlap = 0.75;  // of the best pose's
-
-/// Least squares over pairs, of rotations about the vertical and translations.
-Pose level_fit(const PairSums& sums) {
-  const Eigen::Vector3d p = sums.p / sums.weight, q = sums.q / sums.weight;
-  const Eigen::Matrix3d moment = sums.qp / sums.weight - q * p.transpose();
-  const double yaw = std::atan2(moment(1, 0) - moment(0, 1), moment(0, 0) + moment(1, 1));
-  Pose pose = Pose::Identity();
-  pose.linear() = so3_exp(Eigen::Vector3d(0, 0, yaw));
-  pose.translation() = q - pose.linear() * p;
-  return pose;
-}
-
-Eigen::Matrix3d level_of(const Eigen::Vector3d& up) {
-  return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-}
-
-/// The same with the targets turned.
-Matches turned(Matches matches, const Eigen::Matrix3d& rotation) {
-  for (Match& match : matches) match.q = rotation * match.q;
-  return matches;
-}
 
 PointCloud turned(const PointCloud& cloud, const Eigen::Matrix3d& rotation) {
   PointCloud result = cloud;
@@ -75,59 +49,6 @@ PointCloud turned(const PointCloud& cloud, const Eigen::Matrix3d& rotation) {
     result.nz[i] = n.z();
   }
   return result;
-}
-
-/// Every n-th keypoint.
-CloudDescription part(const CloudDescription& whole, std::size_t stride) {
-  CloudDescription result;
-  result.points = whole.points;
-  result.voxel = whole.voxel;
-  const std::size_t count = (whole.keypoints.size() + stride - 1) / stride;
-  result.descriptors.resize(static_cast<Eigen::Index>(count), whole.descriptors.cols());
-  for (std::size_t k = 0; k < count; ++k) {
-    result.keypoints.push_back(whole.keypoints[k * stride]);
-    result.descriptors.row(static_cast<Eigen::Index>(k)) =
-        whole.descriptors.row(static_cast<Eigen::Index>(k * stride));
-  }
-  return result;
-}
-
-/// The same points, described anew.
-CloudDescription redescribed(const CloudDescription& old, double feature_radius, std::size_t keypoints) {
-  DescriptionOptions options = old.options;
-  options.voxel = old.voxel;
-  options.feature_radius = feature_radius;
-  options.keypoints = keypoints;
-  return describe(old.points, options);
-}
-
-/// How far apart two poses put the source, as a share of what counts as another pose.
-double separation(const Pose& a, const Pose& b, const Eigen::Vector3d& centre, double epsilon) {
-  const double distance = (a * centre - b * centre).norm();
-  const double angle = so3_log(a.linear().transpose() * b.linear()).norm();
-  return std::max(distance / (kRivalEpsilons * epsilon), angle / kRivalAngle);
-}
-
-/// A pose that many matches agree on, and what the clouds say to it.
-struct Hypothesis {
-  Pose start, refined;
-  int consensus = 0;
-  CloudFit fit;
-  std::uint32_t degenerate_axes = 0;
-};
-
-bool confirmed(const CloudFit& fit, double voxel) {
-  return fit.overlap >= kLeastOverlap && fit.contradiction <= kMostContradiction &&
-         fit.residual <= kMostResidual * voxel;
-}
-
-double score(const CloudFit& fit) {
-  return fit.overlap - kPriceOfContradiction * fit.contradiction;
-}
-
-/// Nobody who sees both fits would take the other for as good.
-bool clearly_worse(const CloudFit& other, const CloudFit& best) {
-  return other.overlap < kRivalOverlap * best.overlap || other.contradiction > kRefuted;
 }
 
 /// The clouds of one registration, indexed once for all attempts.
@@ -148,7 +69,6 @@ class Registrar {
   void try_again();
   void attempt(const CloudDescription& source, const CloudDescription& target);
   MatchRegistration search(const Matches& matches, bool runner_up) const;
-  void merge(const MatchRegistration& loser, MatchRegistration* best) const;
   void look_for_more(Matches matches);
   Pose middle_pose(Pose pose);
   void compare_clouds(Hypothesis* hypothesis);
@@ -181,33 +101,7 @@ MatchRegistration Registrar::search(const Matches& matches, bool runner_up) cons
   search.runner_up = runner_up;
   search.rival_distance = kRivalEpsilons * result_.epsilon;
   search.rival_angle = kRivalAngle;
-  if (options_.target_ups.empty()) return register_matches(matches, search);
-  MatchRegistration best;
-  for (const Eigen::Vector3d& up : options_.target_ups) {
-    const Eigen::Matrix3d level = level_of(up);
-    search.at_least = std::max(kFewestMatches, static_cast<int>(std::ceil(best.consensus / kClearMargin)));
-    MatchRegistration found = register_matches(turned(matches, level), search);
-    for (Pose* pose : {&found.target_from_source, &found.runner_up}) *pose = level.transpose() * *pose;
-    if (found.consensus > best.consensus) std::swap(found, best);
-    merge(found, &best);
-  }
-  return best;
-}
-
-/// What the loser leaves open, where it would rather be, and what it took.
-void Registrar::merge(const MatchRegistration& loser, MatchRegistration* best) const {
-  best->upper_bound = std::max(best->upper_bound, loser.upper_bound);
-  best->certified = best->consensus > 0 && best->upper_bound == best->consensus;
-  if (loser.consensus > best->runner_up_consensus &&
-      separation(loser.target_from_source, best->target_from_source, centre_, result_.epsilon) >= 1) {
-    best->runner_up = loser.target_from_source;
-    best->runner_up_consensus = loser.consensus;
-    best->runner_up_bound = std::max(best->runner_up_bound, loser.upper_bound);
-  }
-  best->nodes += loser.nodes;
-  best->pruning_ms += loser.pruning_ms;
-  best->search_ms += loser.search_ms;
-  best->runner_up_ms += loser.runner_up_ms;
+  return search_attitudes(matches, search, options_.target_ups, centre_);
 }
 
 /// Keeps the start when the clouds would carry the pose away from it: that is no refinement.

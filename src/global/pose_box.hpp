@@ -43,4 +43,19 @@ class BoxFilter {
   double theta_ = 0, half_theta_ = 0, cos_ = 1, sin_ = 0, across_ = 0, along_ = 0;
 };
 
+/// Half of the longest side, metres; angles are measured by what they move at `lever` from the axis.
+double longest_side(const PoseBox& box, double lever);
+
+/// Halves the longest side; the halves overlap by rounding.
+void halve(const PoseBox& box, double lever, PoseBox halves[2]);
+
+/// Poses that do not count: both the angle and the translation are near.
+struct ExcludedPoses {
+  LevelPose centre;
+  double angle = 0;     ///< radians
+  double distance = 0;  ///< metres
+  bool holds(const LevelPose& pose) const;
+  bool holds(const PoseBox& box) const;
+};
+
 }  // namespace scanlock

@@ -7,42 +7,13 @@
 
 #include "global/conflicts.hpp"
 #include "global/pose_polish.hpp"
+#include "global/search_nodes.hpp"
 #include "global/sector_voting.hpp"
 
 namespace scanlock {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-enum class NodeKind { kSlab, kSector, kBox };
-
-struct Node {
-  int bound = 0;
-  NodeKind kind = NodeKind::kSlab;
-  PoseBox box;              // a slab has z, a sector also theta
-  double cell = 0;          // of a sector
-  std::size_t members = 0;  // of a sector: matches in its open cells, cell by cell
-  double lever = 0;         // of a box
-  // Of a box: when conflicts were looked for, last.
-  int tried_drops = std::numeric_limits<int>::max(), iterations = 0;
-  double tried_size = std::numeric_limits<double>::infinity();
-  std::vector<std::uint32_t> matches;
-};
-
-/// The highest bound first, then the newest, for it is the smallest.
-struct Open {
-  int bound;
-  std::size_t serial;
-  std::uint32_t node;
-  bool operator<(const Open& other) const {
-    return bound != other.bound ? bound < other.bound : serial < other.serial;
-  }
-};
-
-/// Half of it; angles are measured by what they move.
-double longest_side(const PoseBox& box, double lever) {
-  return std::max({box.half_x, box.half_y, box.half_z, box.half_theta * lever});
-}
 
 class Search {
  public:
@@ -64,8 +35,6 @@ class Search {
   /// The least bound that still matters.
   int wanted() const { return std::max(1, best_.consensus + (pruning_ ? 0 : 1)); }
   void measure();
-  void push(Node node);
-  Node pop();
   void open_slabs();
   int pieces(const Node& sector, std::size_t matches) const;
   void divide_slab(const Node& node);
@@ -73,7 +42,7 @@ class Search {
   void divide_sector(const Node& node);
   void divide_box(Node& node);
   void look_for_conflicts(Node& node);
-  bool divide(const PoseBox& box, double lever, PoseBox halves[2]) const;
+  bool matters(const PoseBox& box, double lever) const;
   void dive(const VotedCell& cell);
   void search_nearby();
   void offer(const LevelPose& pose, int consensus, const std::vector<std::uint32_t>& held);
@@ -89,14 +58,12 @@ class Search {
   BoxFilter filter_;
   Conflicts conflicts_;
   SectorVoting voting_;
-  std::vector<Open> heap_;
-  std::vector<Node> nodes_;  // open or free
-  std::vector<std::uint32_t> free_;
+  SearchNodes open_;
   std::vector<std::uint8_t> kept_;
   std::vector<std::uint32_t> scratch_[2];
   std::vector<VotedCell> cells_;
   SearchResult result_;
-  std::size_t serial_ = 0, entries_ = 0, dives_ = 0;
+  std::size_t dives_ = 0;
   double lever_ = 0, spread_ = 0;  // metres: of p from the axis, and the width of the translations
 };
 
@@ -109,29 +76,6 @@ void Search::measure() {
   const auto n = static_cast<double>(m_.size());
   lever_ = std::sqrt(p / n);
   spread_ = 2 * (lever_ + std::sqrt(q / n));
-}
-
-void Search::push(Node node) {
-  if (free_.empty()) {
-    free_.push_back(static_cast<std::uint32_t>(nodes_.size()));
-    nodes_.emplace_back();
-  }
-  const std::uint32_t index = free_.back();
-  free_.pop_back();
-  entries_ += node.matches.size();
-  heap_.push_back({node.bound, serial_++, index});
-  std::push_heap(heap_.begin(), heap_.end());
-  nodes_[index] = std::move(node);
-}
-
-Node Search::pop() {
-  std::pop_heap(heap_.begin(), heap_.end());
-  const std::uint32_t index = heap_.back().node;
-  heap_.pop_back();
-  free_.push_back(index);
-  Node node = std::move(nodes_[index]);
-  entries_ -= node.matches.size();
-  return node;
 }
 
 /// Slabs over all heights that a pose of some consensus can have.
@@ -151,7 +95,7 @@ void Search::open_slabs() {
       continue;
     }
     slab.bound = static_cast<int>(last - first);
-    push(std::move(slab));
+    open_.push(std::move(slab));
     z += height;
   }
 }
@@ -167,7 +111,7 @@ void Search::push_sector(const PoseBox& slab, double theta, double half_theta, d
   if (node.bound < wanted()) return;
   voting_.open_matches(wanted(), node.matches);
   node.members = voting_.members(wanted());
-  push(std::move(node));
+  open_.push(std::move(node));
 }
 
 /// Into how many sectors to divide one of so many matches: few, but such that their votes can tell where the
@@ -228,7 +172,7 @@ void Search::divide_sector(const Node& node) {
       box.bound = static_cast<int>(cell.matches.size());
       box.lever = lever_;
       box.matches = std::move(cell.matches);
-      push(std::move(box));
+      open_.push(std::move(box));
     }
     return;
   }
@@ -241,28 +185,9 @@ void Search::divide_sector(const Node& node) {
   }
 }
 
-/// Halves the longest side. False when the box is too small to matter.
-bool Search::divide(const PoseBox& box, double lever, PoseBox halves[2]) const {
-  const double turn = box.half_theta * lever, longest = longest_side(box, lever);
-  if (longest <= (pruning_ ? 0.5 * m_.largest_threshold : m_.rounding)) return false;
-  halves[0] = halves[1] = box;
-  const auto split = [&](double LevelPose::*centre, double PoseBox::*half) {
-    const double quarter = 0.5 * (box.*half);
-    for (int k = 0; k < 2; ++k) {
-      halves[k].centre.*centre += k == 0 ? -quarter : quarter;
-      halves[k].*half = quarter * (1 + 1e-12);
-    }
-  };
-  if (longest == turn) {
-    split(&LevelPose::theta, &PoseBox::half_theta);
-  } else if (longest == box.half_x) {
-    split(&LevelPose::x, &PoseBox::half_x);
-  } else if (longest == box.half_y) {
-    split(&LevelPose::y, &PoseBox::half_y);
-  } else {
-    split(&LevelPose::z, &PoseBox::half_z);
-  }
-  return true;
+/// False when the box is too small to be worth another look.
+bool Search::matters(const PoseBox& box, double lever) const {
+  return longest_side(box, lever) > (pruning_ ? 0.5 * m_.largest_threshold : m_.rounding);
 }
 
 /// Looks for a proof, independent of the box, that its matches have no pose in common that is good enough:
@@ -293,7 +218,7 @@ void Search::divide_box(Node& node) {
   PoseBox halves[2];
   look_for_conflicts(node);
   if (node.bound < wanted()) return;
-  if (!divide(node.box, node.lever, halves)) {
+  if (!matters(node.box, node.lever)) {
     if (pruning_) {
       keep(node.matches);
     } else {
@@ -301,6 +226,7 @@ void Search::divide_box(Node& node) {
     }
     return;
   }
+  halve(node.box, node.lever, halves);
   for (const PoseBox& half : halves) {
     if (excluded_ && excluded_->holds(half)) continue;
     const BoxCounts counts = filter_.filter(half, node.matches, scratch_[0]);
@@ -316,7 +242,7 @@ void Search::divide_box(Node& node) {
     child.tried_size = node.tried_size;
     child.iterations = node.iterations;
     child.matches = scratch_[0];
-    push(std::move(child));
+    open_.push(std::move(child));
   }
 }
 
@@ -325,8 +251,9 @@ void Search::dive(const VotedCell& cell) {
   PoseBox box = cell.box, halves[2];
   double lever = lever_;
   std::vector<std::uint32_t> matches = cell.matches;
-  while (static_cast<int>(matches.size()) > best_.consensus && divide(box, lever, halves) &&
+  while (static_cast<int>(matches.size()) > best_.consensus && matters(box, lever) &&
          std::max(box.half_x, box.half_theta * lever) > 0.25 * m_.largest_threshold) {
+    halve(box, lever, halves);
     BoxCounts counts[2];
     for (int k = 0; k < 2; ++k) {
       counts[k] = filter_.filter(halves[k], matches, scratch_[k]);
@@ -388,8 +315,8 @@ bool Search::all_kept(const std::vector<std::uint32_t>& matches) const {
 }
 
 bool Search::out_of_budget() const {
-  return result_.nodes >= limits_.nodes || result_.work >= limits_.work || entries_ > limits_.list_entries ||
-         std::chrono::steady_clock::now() > limits_.deadline;
+  return result_.nodes >= limits_.nodes || result_.work >= limits_.work ||
+         open_.entries() > limits_.list_entries || std::chrono::steady_clock::now() > limits_.deadline;
 }
 
 SearchResult Search::run() {
@@ -399,15 +326,15 @@ SearchResult Search::run() {
     measure();
     open_slabs();
   }
-  while (!heap_.empty() && heap_.front().bound >= wanted()) {
+  while (!open_.empty() && open_.highest_bound() >= wanted()) {
     if (out_of_budget()) {
-      result_.upper_bound = std::max({result_.upper_bound, heap_.front().bound, best_.consensus});
+      result_.upper_bound = std::max({result_.upper_bound, open_.highest_bound(), best_.consensus});
       return result_;
     }
     constexpr std::size_t kNodesBetweenReports = 1024;
     if (limits_.progress && result_.nodes % kNodesBetweenReports == 0)
-      limits_.progress(best_.consensus, heap_.front().bound);
-    Node node = pop();
+      limits_.progress(best_.consensus, open_.highest_bound());
+    Node node = open_.pop();
     ++result_.nodes;
     switch (node.kind) {
       case NodeKind::kSlab:
@@ -435,20 +362,6 @@ std::vector<std::uint32_t> Search::kept() {
 }
 
 }  // namespace
-
-bool ExcludedPoses::holds(const LevelPose& pose) const {
-  PoseBox box;
-  box.centre = pose;
-  return holds(box);
-}
-
-bool ExcludedPoses::holds(const PoseBox& box) const {
-  const double dx = std::abs(box.centre.x - centre.x) + box.half_x,
-               dy = std::abs(box.centre.y - centre.y) + box.half_y,
-               dz = std::abs(box.centre.z - centre.z) + box.half_z;
-  return dx * dx + dy * dy + dz * dz <= distance * distance &&
-         std::abs(std::remainder(box.centre.theta - centre.theta, 2 * kPi)) + box.half_theta <= angle;
-}
 
 SearchResult search_poses(const LevelMatches& matches, Incumbent& best, const SearchLimits& limits,
                           const std::optional<ExcludedPoses>& excluded) {

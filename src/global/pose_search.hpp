@@ -13,15 +13,6 @@
 
 namespace scanlock {
 
-/// Poses that do not count: both the angle and the translation are near.
-struct ExcludedPoses {
-  LevelPose centre;
-  double angle = 0;     ///< radians
-  double distance = 0;  ///< metres
-  bool holds(const LevelPose& pose) const;
-  bool holds(const PoseBox& box) const;
-};
-
 /// What ends a search early.
 struct SearchLimits {
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();

@@ -86,7 +86,9 @@ class CloudAligner {
       throw std::invalid_argument(std::to_string(source_.points.size()) +
                                   " finite points; an alignment takes at least 3");
     }
-    if (method.needs_normals() && !target.normals_ready())
+    keeps_better_start_ =
+        options.start_may_be_better && method.robust && method.objective == IcpObjective::kPoint;
+    if ((method.needs_normals() || keeps_better_start_) && !target.normals_ready())
       throw std::invalid_argument("this method takes a target whose normals are prepared");
     if (method.objective == IcpObjective::kSymmetric) {
       KdForest tree;
@@ -220,7 +222,17 @@ class CloudAligner {
     return pose;
   }
 
-  Pose solve_robust(Pose pose) {
+  /// Energy of distances to planes at a pose, over all points.
+  double off_planes(const Pose& pose) const {
+    CloudProblem::Setup setup = setup_;
+    setup.objective = IcpObjective::kPlane;
+    CloudProblem problem(source_.points, target_, setup);
+    const double nu = target_.point_nu_min();
+    return problem.evaluate(problem.begin(pose, nu, 3.0 * nu + kGateMargin * target_.spacing()));
+  }
+
+  Pose solve_robust(const Pose& start) {
+    Pose pose = start;
     if (!options_.thorough && !(options_.nu_max > 0)) pose = approach(pose);
     CloudProblem problem(source_.points, target_, setup_);
     const double first_nu = choose_nu(pose, &problem);
@@ -243,6 +255,10 @@ class CloudAligner {
     descent.tolerance = last_tolerance;
     report_progress(&descent, level / levels, 1.0);
     account(descend(problem, problem.begin(pose, result_.nu_min, gate(result_.nu_min, first_nu)), descent));
+    if (keeps_better_start_ && off_planes(start) < off_planes(problem.pose())) {
+      result_.energy = problem.evaluate(problem.begin(start, result_.nu_min, gate(result_.nu_min, first_nu)));
+      result_.stop_reason = "start";
+    }
     finish(problem);
     return problem.pose();
   }
@@ -307,6 +323,7 @@ class CloudAligner {
 
   const CloudTarget& target_;
   CloudMethod method_;
+  bool keeps_better_start_ = false;
   CloudAlignmentOptions options_;
   CentredCloud source_;
   CloudProblem::Setup setup_;

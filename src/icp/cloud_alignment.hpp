@@ -33,17 +33,21 @@ struct CloudAlignmentOptions {
   double nu_max = 0;       ///< metres; 0: three times the median residual at the start
   double nu_min = 0;       ///< metres; 0: the target's own
   int max_iterations = 0;  ///< a level; 0: 1000 without a robust function, 100 with one
-  double tolerance = 0;   ///< metres of motion of a typical point; 0: 1e-5 of the target's diagonal, and less
-                          ///< for a small nu_min
-  double voxel = 0;       ///< metres that both clouds were thinned to; 0: they are whole
-  bool thorough = false;  ///< all points and the final tolerance at every nu, as in the paper
-  int threads = 1;        ///< does not change the result
+  double tolerance = 0;  ///< metres of motion of a typical point; 0: 1e-5 of the target's diagonal, and less
+                         ///< for a small nu_min
+  double voxel = 0;      ///< metres that both clouds were thinned to; 0: they are whole
+  /// For robust distances to points, from a start that may be good already: rows and rings hold on to those
+  /// of the other scan, and can carry it off. Where the start lies closer on the target's tangent planes it
+  /// is the result, stop_reason "start". Takes a target whose normals are prepared.
+  bool start_may_be_better = false;
+  bool thorough = false;                 ///< all points and the final tolerance at every nu, as in the paper
+  int threads = 1;                       ///< does not change the result
   std::function<void(double)> progress;  ///< called now and then with the share that is done, 0 to 1
 };
 
 struct CloudAlignment {
   Pose target_from_source = Pose::Identity();  ///< in the clouds' own frames; always finite
-  std::string stop_reason;                     ///< converged, iterations, degenerate
+  std::string stop_reason;                     ///< converged, iterations, degenerate, start
   double energy = 0;                           ///< at the last nu, over the points of the source
   double inlier_ratio = 0;                     ///< share of the source within two spacings of the target
   double nu_max = 0, nu_min = 0;

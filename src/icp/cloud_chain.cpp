@@ -14,20 +14,28 @@ CloudChain::CloudChain(const CloudMethod& method, const CloudAlignmentOptions& o
 
 CloudChain::~CloudChain() = default;
 
-std::optional<CloudAlignment> CloudChain::add(const PointCloud& cloud) {
+Pose CloudChain::likely_motion(const PointCloud& source) const {
+  const bool carried_on = misfit(source, *target_, last_motion_) < misfit(source, *target_, Pose::Identity());
+  return carried_on ? last_motion_ : Pose::Identity();
+}
+
+std::optional<CloudAlignment> CloudChain::add(const PointCloud& cloud,
+                                              const std::optional<ChainGuess>& guess) {
   const double own_voxel = voxel_ ? *voxel_ : sensible_voxel(cloud);
   auto own = std::make_unique<CloudTarget>(thinned_by(cloud, own_voxel), options_.threads);
-  if (method_.needs_normals()) own->prepare_normals(options_.threads);
+  if (method_.needs_normals() || options_.start_may_be_better) own->prepare_normals(options_.threads);
 
   std::optional<CloudAlignment> alignment;
   if (target_) {
     const PointCloud source = thinned_by(cloud, target_voxel_);
     CloudAlignmentOptions options = options_;
     options.voxel = target_voxel_;
-    const bool carried_on =
-        misfit(source, *target_, last_motion_) < misfit(source, *target_, Pose::Identity());
-    alignment =
-        align_clouds(source, *target_, carried_on ? last_motion_ : Pose::Identity(), method_, options);
+    options.start_may_be_better = options.start_may_be_better && guess;
+    if (guess && guess->nu_max > 0) options.nu_max = guess->nu_max;
+    alignment.emplace();
+    alignment->target_from_source = guess ? guess->target_from_source : likely_motion(source);
+    if (!guess || guess->refined)
+      alignment = align_clouds(source, *target_, alignment->target_from_source, method_, options);
     last_motion_ = alignment->target_from_source;
   }
   poses_.push_back(poses_.empty() ? Pose::Identity() : renormalised(poses_.back() * last_motion_));

@@ -9,6 +9,7 @@
 
 #include "../global/scenes.hpp"
 #include "io/cloud_file.hpp"
+#include "io/trajectory.hpp"
 #include "process.hpp"
 
 using namespace scanlock;
@@ -80,4 +81,31 @@ TEST_CASE("align refuses a vertical and an epsilon that make no sense") {
   CHECK(run(yards.folder, {"scanlock-align", yards.source, yards.target, "--epsilon=-1"}).code == 2);
   CHECK(run(yards.folder, {"scanlock-align", yards.source, yards.target, "--method", "4dof+nothing"}).code ==
         2);
+}
+
+TEST_CASE("align chains clouds without a start, and stops at a pair that is not certain") {
+  const Yards yards;
+  const std::string poses = yards.folder / "poses.tum";
+  const Result chain = run(yards.folder, {"scanlock-align", yards.target, yards.source, yards.target,
+                                          "--chain", "--poses", poses, "--json"});
+  REQUIRE(chain.code == 0);
+  CHECK(says(chain.output, "\"method\":\"4dof+robust-icp\""));
+  CHECK(says(chain.output, "\"verdict\":\"certain\""));
+  const Trajectory trajectory = read_tum(poses);
+  REQUIRE(trajectory.size() == 3);
+  const Pose error = trajectory[1].pose.inverse() * level_pose(2.2, 3, -2, 0.1);
+  CHECK(error.translation().norm() < 0.05);
+  CHECK(so3_log(error.linear()).norm() < 0.0035);
+  CHECK(trajectory[2].pose.translation().norm() < 0.05);
+
+  std::vector<std::string> lost = {"scanlock-align", yards.target, yards.source, yards.elsewhere, "--chain"};
+  const Result stopped = run(yards.folder, lost);
+  CHECK(stopped.code == 1);
+  CHECK(stopped.output.empty());
+  CHECK(says(stopped.errors, yards.elsewhere + " to " + yards.source));
+  lost.push_back("--json");
+  const Result went_on = run(yards.folder, lost);
+  CHECK(went_on.code == 0);
+  CHECK(number(went_on.output, "clouds") == 3);
+  CHECK(says(went_on.errors, yards.elsewhere + " to " + yards.source));
 }

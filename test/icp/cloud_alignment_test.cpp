@@ -195,3 +195,57 @@ TEST_CASE("names of methods") {
   CHECK_FALSE(find_cloud_method("").has_value());
   CHECK(find_cloud_method("aa-icp")->coordinates == MotionCoordinates::kEulerAngles);
 }
+
+namespace {
+
+/// What a sensor with 24 beams at `eye` sees of a hall 30 m by 20 m, 1.8 m above its floor: rings.
+PointCloud rings(const Eigen::Vector3d& eye) {
+  PointCloud cloud;
+  for (int beam = 0; beam < 24; ++beam) {
+    const double elevation = -0.4 + 0.02 * beam;
+    for (int step = 0; step < 360; ++step) {
+      const double azimuth = step * 3.14159265358979 / 180;
+      const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
+                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      double range = ray.z() < 0 ? (-1.8 - eye.z()) / ray.z() : 1e9;
+      range = std::min(range, (std::copysign(15.0, ray.x()) - eye.x()) / ray.x());
+      range = std::min(range, (std::copysign(10.0, ray.y()) - eye.y()) / ray.y());
+      cloud.push_back((range * ray).cast<float>());
+    }
+  }
+  return cloud;
+}
+
+}  // namespace
+
+TEST_CASE("rings do not carry a good start off where it may be the better one") {
+  const Pose truth = motion({0.3, 0.1, 0}, {0, 0, 0});
+  const PointCloud source = rings(truth.translation());
+  CloudTarget target(rings(Eigen::Vector3d::Zero()));
+  target.prepare_normals();
+  const CloudMethod method = *find_cloud_method("robust-icp");
+  CloudAlignmentOptions options;
+  options.nu_max = 0.3;
+  const auto error = [&](const Pose& start) {
+    const Pose found = align_clouds(source, target, start, method, options).target_from_source;
+    return (found.translation() - truth.translation()).norm();
+  };
+  CHECK(error(truth) > 0.02);
+  options.start_may_be_better = true;
+  CHECK(error(truth) < 1e-6);
+  CHECK(align_clouds(source, target, truth, method, options).stop_reason == "start");
+  CHECK_THROWS_AS(align_clouds(source, CloudTarget(source), truth, method, options), std::invalid_argument);
+}
+
+TEST_CASE("a start that may be better and is not is left") {
+  Random random(3);
+  const PointCloud cloud = room(random, 6000, 0.003);
+  CloudAlignmentOptions options;
+  options.nu_max = 0.3;
+  options.start_may_be_better = true;
+  const Pose truth = motion({0.1, 0.05, 0}, {0, 0, 0.02});
+  const CloudAlignment found = align_clouds(moved(cloud, truth.inverse()), ready(cloud), Pose::Identity(),
+                                            *find_cloud_method("robust-icp"), options);
+  CHECK(found.stop_reason == "converged");
+  CHECK(translation_error(found.target_from_source, truth) < 0.005);
+}

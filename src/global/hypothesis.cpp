@@ -1,0 +1,48 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "global/hypothesis.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scanlock {
+namespace {
+
+constexpr double kLeastOverlap = 0.3, kMostContradiction = 0.09;
+constexpr double kMostResidual = 0.18;       // voxels
+constexpr double kPriceOfContradiction = 2;  // of overlap
+constexpr double kRivalOverlap = 0.75;       // of the best pose's
+constexpr double kRefuted = 0.12;            // contradiction
+
+}  // namespace
+
+bool confirmed(const CloudFit& fit, double voxel) {
+  return fit.overlap >= kLeastOverlap && fit.contradiction <= kMostContradiction &&
+         fit.residual <= kMostResidual * voxel;
+}
+
+double score(const CloudFit& fit) {
+  return fit.overlap - kPriceOfContradiction * fit.contradiction;
+}
+
+bool clearly_worse(const CloudFit& other, const CloudFit& best) {
+  return other.overlap < kRivalOverlap * best.overlap || other.contradiction > kRefuted;
+}
+
+double separation(const Pose& a, const Pose& b, const Eigen::Vector3d& centre, double epsilon) {
+  const double distance = (a * centre - b * centre).norm();
+  const double angle = so3_log(a.linear().transpose() * b.linear()).norm();
+  return std::max(distance / (kRivalEpsilons * epsilon), angle / kRivalAngle);
+}
+
+Pose level_fit(const PairSums& sums) {
+  const Eigen::Vector3d p = sums.p / sums.weight, q = sums.q / sums.weight;
+  const Eigen::Matrix3d moment = sums.qp / sums.weight - q * p.transpose();
+  const double yaw = std::atan2(moment(1, 0) - moment(0, 1), moment(0, 0) + moment(1, 1));
+  Pose pose = Pose::Identity();
+  pose.linear() = so3_exp(Eigen::Vector3d(0, 0, yaw));
+  pose.translation() = q - pose.linear() * p;
+  return pose;
+}
+
+}  // namespace scanlock

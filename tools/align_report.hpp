@@ -1,0 +1,74 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+// What the reports of scanlock-align are made of.
+#pragma once
+
+#include <sys/resource.h>
+
+#include <Eigen/Core>
+#include <chrono>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+
+#include "geometry/point_cloud.hpp"
+#include "geometry/rigid.hpp"
+
+namespace scanlock {
+
+using Json = nlohmann::ordered_json;
+
+class Stopwatch {
+ public:
+  /// Milliseconds since the last lap.
+  double lap() {
+    const Clock::time_point now = Clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return ms;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point last_ = Clock::now();
+};
+
+inline PointCloud moved(const PointCloud& cloud, const Pose& pose) {
+  PointCloud result = cloud;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f p = (pose * cloud.point(i).cast<double>()).cast<float>();
+    result.x[i] = p.x();
+    result.y[i] = p.y();
+    result.z[i] = p.z();
+    if (!cloud.has_normals()) continue;
+    const Eigen::Vector3f n = (pose.linear() * cloud.normal(i).cast<double>()).cast<float>();
+    result.nx[i] = n.x();
+    result.ny[i] = n.y();
+    result.nz[i] = n.z();
+  }
+  return result;
+}
+
+inline double peak_rss_mb() {
+  rusage use{};
+  getrusage(RUSAGE_SELF, &use);
+  return static_cast<double>(use.ru_maxrss) / 1024.0;
+}
+
+inline Json row_major(const Eigen::MatrixXd& matrix) {
+  Json values = Json::array();
+  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
+    for (Eigen::Index c = 0; c < matrix.cols(); ++c) values.push_back(matrix(r, c));
+  }
+  return values;
+}
+
+inline Json axis_names(std::uint32_t axes) {
+  constexpr const char* kNames[] = {"x", "y", "z", "rx", "ry", "rz"};
+  Json names = Json::array();
+  for (int bit = 0; bit < 6; ++bit) {
+    if (axes >> bit & 1u) names.push_back(kNames[bit]);
+  }
+  return names;
+}
+
+}  // namespace scanlock
