@@ -16,6 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "global/cpu_clock.hpp"
+#include "global/match_ransac.hpp"
 #include "global/match_registration.hpp"
 #include "io/match_file.hpp"
 #include "io/progress_bar.hpp"
@@ -27,7 +29,7 @@ struct AlignMatchesOptions {
   std::vector<double> up = {0, 0, 1};
   double tilt_degrees = 0;
   int threads = 1;
-  bool no_pruning = false, json = false;
+  bool no_pruning = false, ransac = false, json = false;
   MatchRegistrationOptions registration;
 };
 
@@ -55,6 +57,7 @@ inline int parse_align_matches(int argc, char** argv, AlignMatchesOptions& optio
       ->expected(3);
   app.add_option("--tilt", options.tilt_degrees,
                  "gravity is known to so many degrees in either cloud (default: 0)");
+  app.add_flag("--ransac", options.ransac, "for comparison: RANSAC with samples of two matches; no proof");
   app.add_option("--threads", options.threads, "taken for uniformity; the search runs in one thread")
       ->check(CLI::Range(1, 256).description(""));
   app.add_flag("--json", options.json, "print one JSON object");
@@ -76,6 +79,8 @@ inline int parse_align_matches(int argc, char** argv, AlignMatchesOptions& optio
   if (!(options.registration.budget_s >= 0)) return wrong("--budget: must be 0 seconds or more");
   if (!options.registration.up.allFinite() || !(options.registration.up.norm() > 0))
     return wrong("--up: must be a vector other than 0,0,0");
+  if (options.ransac && (options.tilt_degrees != 0 || options.registration.up != Eigen::Vector3d::UnitZ()))
+    return wrong("--ransac: takes no --tilt and no --up");
   if (!(options.tilt_degrees >= 0 && options.tilt_degrees <= 20))
     return wrong("--tilt: must be 0 to 20 degrees");
   return -1;
@@ -140,6 +145,22 @@ inline void print_align_matches(const nlohmann::ordered_json& json, bool as_json
   }
 }
 
+/// The baseline, in the shape of the solver's answer: nothing proven, all of its time in the search.
+inline MatchRegistration ransac_baseline(const Matches& matches, double epsilon) {
+  MatchRansacOptions options;
+  options.epsilon = epsilon;
+  CpuClock clock;
+  const MatchRansac found = ransac_matches(matches, options);
+  MatchRegistration result;
+  result.matches = result.matches_after_pruning = matches.size();
+  result.target_from_source = found.target_from_source;
+  result.consensus = found.consensus;
+  result.upper_bound = static_cast<int>(matches.size());
+  result.nodes = found.samples;
+  result.search_ms = clock.lap();
+  return result;
+}
+
 /// The whole program; returns its exit code.
 inline int align_matches(int argc, char** argv) {
   AlignMatchesOptions options;
@@ -159,11 +180,14 @@ inline int align_matches(int argc, char** argv) {
     };
     MatchRegistration found;
     try {
-      found = register_matches(matches, options.registration);
+      found = options.ransac ? ransac_baseline(matches, options.registration.epsilon)
+                             : register_matches(matches, options.registration);
     } catch (const std::invalid_argument& error) {
       throw std::runtime_error(options.file + ": " + error.what());
     }
-    print_align_matches(align_matches_json(found, options.registration, read_ms, since(start)), options.json);
+    nlohmann::ordered_json json = align_matches_json(found, options.registration, read_ms, since(start));
+    if (options.ransac) json["stop_reason"] = "samples";
+    print_align_matches(json, options.json);
   } catch (const std::exception& error) {
     std::cerr << "scanlock-align: " << error.what() << "\n";
     return 1;

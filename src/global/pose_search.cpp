@@ -141,7 +141,7 @@ void Search::divide_slab(const Node& node) {
 
 void Search::divide_sector(const Node& node) {
   constexpr std::size_t kFew = 96;  // matches that are sooner looked at in boxes
-  constexpr std::size_t kDives = 16;
+  constexpr std::size_t kDives = 2;
   const std::size_t n = voting_.load(node.matches, node.box.centre.z, node.box.half_z);
   const Sector sector{node.box.centre.z, node.box.half_z, node.box.centre.theta, node.box.half_theta,
                       node.cell};

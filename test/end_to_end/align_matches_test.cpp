@@ -26,6 +26,13 @@ TEST_CASE("scanlock-align solves a correspondence file") {
       CHECK(result.output.find(part) != std::string::npos);
     }
   }
+  const Result ransac =
+      run(folder, {"scanlock-align", "--correspondences", file, "--epsilon", "0.05", "--ransac", "--json"});
+  CHECK(ransac.code == 0);
+  for (const char* part : {"\"consensus\":4", "\"certified\":false", "\"stop_reason\":\"samples\""}) {
+    CAPTURE(part);
+    CHECK(ransac.output.find(part) != std::string::npos);
+  }
 }
 
 TEST_CASE("scanlock-align names what is wrong with a correspondence file") {
