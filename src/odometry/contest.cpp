@@ -9,10 +9,10 @@ namespace scanlock {
 namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180.0;
-constexpr double kCalmScore = 4.0;    // robust z-score of the energy that a scan must get below
-constexpr double kUsualShare = 0.9;   // of the usual share of inliers that a place has to have,
-constexpr double kLeastShare = 0.5;   // and where nothing is usual yet
-constexpr int kWins = 3;              // scans in a row
+constexpr double kCalmScore = 4.0;   // robust z-score of the energy that a scan must get below
+constexpr double kUsualShare = 0.9;  // of the usual share of inliers that a place has to have,
+constexpr double kLeastShare = 0.5;  // and where nothing is usual yet
+constexpr int kWins = 3;             // scans in a row
 constexpr int kMissesAllowed = 1;
 constexpr int kPatience = 8;       // scans in which it has to be decided
 constexpr double kClearly = 1.3;   // times the cost of the leader, and

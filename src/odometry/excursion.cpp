@@ -12,7 +12,7 @@ constexpr double kJumpScore = 6.0;  // robust z-score of the energy
 }  // namespace
 
 Excursion::Excursion(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan,
-                     const Pose& predicted)
+                     const MovingPose& predicted)
     : config_(config), odometer_(config) {
   odometer_.start(utime, scan, predicted);
 }
@@ -27,7 +27,7 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
     attempt = better(std::move(attempt), odometer_.align(scan, loose, Reach::kFar));
   }
   if (!explains(attempt, kJumpScore)) {
-    odometer_.start(utime, scan, prior.mean.pose);
+    odometer_.start(utime, scan, prior.mean);
     scans_ = 1;
     return false;
   }

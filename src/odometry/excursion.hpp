@@ -12,7 +12,8 @@ namespace scanlock {
 /// begun where the robot was believed to be, so that its frame is the predicted map frame.
 class Excursion {
  public:
-  Excursion(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan, const Pose& predicted);
+  Excursion(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan,
+            const MovingPose& predicted);
 
   /// Follows one scan, `dt` seconds after the last one. A scan that does not fit begins it anew where it was
   /// predicted: false then.

@@ -22,8 +22,8 @@ MotionFilter::MotionFilter(double acceleration, double angular_acceleration)
     : linear_density_(acceleration * acceleration * kManoeuvre),
       angular_density_(angular_acceleration * angular_acceleration * kManoeuvre) {}
 
-void MotionFilter::start(const Pose& pose) {
-  state_ = {pose, Vector6::Zero()};
+void MotionFilter::start(const MovingPose& guess) {
+  state_ = guess;
   Eigen::Matrix<double, 12, 1> sigma;
   sigma.head<6>().setConstant(kPoseFloor);
   sigma.segment<3>(6).setConstant(kStartSpeed);

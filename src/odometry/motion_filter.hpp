@@ -15,8 +15,8 @@ class MotionFilter {
   /// one sigma.
   MotionFilter(double acceleration, double angular_acceleration);
 
-  /// At rest at `pose`, the velocity unknown.
-  void start(const Pose& pose);
+  /// At a pose, the velocity a guess that may be anything.
+  void start(const MovingPose& guess);
 
   /// The state `dt` seconds on (dt >= 0): its mean is the prediction, its information what it is worth.
   MotionPrior predict(double dt) const;

@@ -32,11 +32,11 @@ Odometer::Odometer(const TrackerConfig& config)
       filter_(config.acceleration, config.angular_acceleration),
       sigma_(kFirstSigma) {}
 
-void Odometer::start(std::int64_t utime, const PreparedScan& scan, const Pose& map_from_body) {
+void Odometer::start(std::int64_t utime, const PreparedScan& scan, const MovingPose& guess) {
   map_.clear();
   health_.forget();
   sigma_ = kFirstSigma;
-  filter_.start(map_from_body);
+  filter_.start(guess);
   first_.utime = utime;
   first_.points = scan.fine;
   insert(utime, scan, filter_.state());

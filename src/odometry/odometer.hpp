@@ -36,13 +36,13 @@ class Odometer {
  public:
   explicit Odometer(const TrackerConfig& config);
 
-  /// The scan becomes the map; the velocity is unknown.
-  void start(std::int64_t utime, const PreparedScan& scan, const Pose& map_from_body);
+  /// The scan becomes the map; the velocity is a guess, and may be anything.
+  void start(std::int64_t utime, const PreparedScan& scan, const MovingPose& guess);
   /// The map becomes what was archived around `centre` (map frame). What is usual stays.
   void reload(const std::vector<ArchivedKeyframe>& archived, const Eigen::Vector3d& centre, double voxel);
 
   /// At rest there, the velocity unknown.
-  void set_pose(const Pose& map_from_body) { filter_.start(map_from_body); }
+  void set_pose(const Pose& map_from_body) { filter_.start({map_from_body, Vector6::Zero()}); }
 
   MotionPrior predict(double dt) const { return filter_.predict(dt); }
   Attempt align(const PreparedScan& scan, const MotionPrior& prior, Reach reach);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/voxel_grid.hpp"
 #include "icp/degeneracy.hpp"
 #include "odometry/contest.hpp"
 #include "odometry/excursion.hpp"
@@ -29,9 +30,10 @@ constexpr int kSeldom = 5;              // and after that on every fifth
 constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
 constexpr double kNewGroundShare = 0.6, kFitScore = 3.0;
 constexpr double kUsualShare = 0.8;  // of the usual share of inliers: less is new ground, or another place
-constexpr int kQuietScans = 5;       // after that, before the map may grow
-constexpr int kAttitudes = 100;      // that the upward direction is averaged over
-constexpr int kFalseStarts = 3;      // scans that do not fit the first one: it was no good
+constexpr std::size_t kFarPoints = 800;
+constexpr int kQuietScans = 5;   // after that, before the map may grow
+constexpr int kAttitudes = 100;  // that the upward direction is averaged over
+constexpr int kFalseStarts = 3;  // scans that do not fit the first one: it was no good
 constexpr double kCoastSeconds =
     3.0;  // a robot that sees nothing is predicted at its last velocity for so long, then as standing
 
@@ -41,6 +43,12 @@ struct Candidate {
   std::optional<RecoveryAnswer>
       answer;  ///< of the global search; none: felt where it must be if nothing happened
 };
+
+PointCloud every_nth(const PointCloud& points, std::size_t n) {
+  std::vector<std::uint32_t> indices;
+  for (std::size_t i = 0; i < points.size(); i += n) indices.push_back(static_cast<std::uint32_t>(i));
+  return select(points, indices);
+}
 
 }  // namespace
 
@@ -110,7 +118,7 @@ struct Tracker::State {
   }
 
   void start(std::int64_t utime, const PreparedScan& scan) {
-    odometer.start(utime, scan, start_pose);
+    odometer.start(utime, scan, {start_pose, Vector6::Zero()});
     last_trusted_pose = start_pose;
     last_trusted_utime = utime;
     distrusted_scans = 0;
@@ -122,13 +130,18 @@ struct Tracker::State {
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
     Attempt best = odometer.align(scan, prior, Reach::kNear);
     if (explains(best, kJumpScore) || distrusted_scans > 0) return best;
+    // A far look is dear, and a part of the points will do for it: the next scan must not wait.
+    PreparedScan part = scan;
+    part.source = every_nth(scan.source, std::max<std::size_t>(scan.source.size() / kFarPoints, 1));
     MotionPrior loose = prior;
     loose.information *= 0.01;
-    best = better(std::move(best), odometer.align(scan, loose, Reach::kFar));
-    if (!explains(best, kJumpScore)) {
+    Attempt far = odometer.align(part, loose, Reach::kFar);
+    if (!explains(far, kJumpScore)) {
       loose.mean = {last_trusted_pose, Vector6::Zero()};
-      best = better(std::move(best), odometer.align(scan, loose, Reach::kFar));
+      far = better(std::move(far), odometer.align(part, loose, Reach::kFar));
     }
+    loose.mean = far.alignment.moving;
+    best = better(std::move(best), odometer.align(scan, loose, Reach::kNear));
     best.prior = prior;
     return best;
   }
@@ -230,7 +243,7 @@ struct Tracker::State {
     const auto& covariance = odometer.covariance();
     gate_m = 0.5 + 3.0 * std::sqrt(covariance.diagonal().head<3>().maxCoeff());
     gate_rad = 3.0 * kDegree + 3.0 * std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
-    if (!excursion) excursion.emplace(config, utime, scan, odometer.state().pose);
+    if (!excursion) excursion.emplace(config, utime, scan, odometer.state());
   }
 
   /// The state follows the excursion: where the robot would be, had it not been lost.
