@@ -137,4 +137,9 @@ Pose renormalised(const Pose& pose) {
   return result;
 }
 
+bool near(const Pose& a, const Pose& b, double metres, double radians) {
+  const Pose difference = a.inverse() * b;
+  return difference.translation().norm() < metres && so3_log(difference.linear()).norm() < radians;
+}
+
 }  // namespace scanlock

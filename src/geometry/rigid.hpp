@@ -38,4 +38,7 @@ Matrix6 adjoint(const Pose& pose);
 /// The nearest rotation, for a product of many; a no-op to rounding for a good one.
 Pose renormalised(const Pose& pose);
 
+/// Whether two poses differ by less.
+bool near(const Pose& a, const Pose& b, double metres, double radians);
+
 }  // namespace scanlock
