@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "geometry/point_cloud.hpp"
+
 namespace scanlock {
 
 /// A rigid transform; `Pose a_from_b` maps coordinates in b to coordinates in a.
@@ -37,5 +39,8 @@ Matrix6 adjoint(const Pose& pose);
 
 /// The nearest rotation, for a product of many; a no-op to rounding for a good one.
 Pose renormalised(const Pose& pose);
+
+/// The cloud with its points and normals moved; other attributes stay.
+PointCloud moved(PointCloud cloud, const Pose& pose);
 
 }  // namespace scanlock
