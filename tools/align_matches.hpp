@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/angles.hpp"
 #include "global/cpu_clock.hpp"
 #include "global/match_ransac.hpp"
 #include "global/match_registration.hpp"
@@ -70,10 +71,9 @@ inline int parse_align_matches(int argc, char** argv, AlignMatchesOptions& optio
     std::cerr << "scanlock-align: " << sentence << "\n";
     return 2;
   };
-  constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
   options.registration.prune = !options.no_pruning;
   options.registration.up = {options.up[0], options.up[1], options.up[2]};
-  options.registration.tilt = options.tilt_degrees * kRadiansPerDegree;
+  options.registration.tilt = options.tilt_degrees * kDegree;
   if (!(options.registration.epsilon > 0) || !std::isfinite(options.registration.epsilon))
     return wrong("--epsilon: must be a number of metres above 0");
   if (!(options.registration.budget_s >= 0)) return wrong("--budget: must be 0 seconds or more");
@@ -98,7 +98,6 @@ inline nlohmann::ordered_json align_matches_json(const MatchRegistration& found,
   };
   rusage use{};
   getrusage(RUSAGE_SELF, &use);
-  constexpr double kDegreesPerRadian = 180 / 3.14159265358979323846;
   return {{"method", "4dof"},
           {"transform", row_major(found.target_from_source)},
           {"points", {found.matches, found.matches}},
@@ -106,7 +105,7 @@ inline nlohmann::ordered_json align_matches_json(const MatchRegistration& found,
           {"stop_reason", found.certified ? "certified" : "budget"},
           {"inlier_ratio", static_cast<double>(found.consensus) / static_cast<double>(found.matches)},
           {"epsilon", options.epsilon},
-          {"tilt_deg", options.tilt * kDegreesPerRadian},
+          {"tilt_deg", options.tilt / kDegree},
           {"matches", found.matches},
           {"matches_after_pruning", found.matches_after_pruning},
           {"consensus", found.consensus},

@@ -32,22 +32,6 @@ class Stopwatch {
   Clock::time_point last_ = Clock::now();
 };
 
-inline PointCloud moved(const PointCloud& cloud, const Pose& pose) {
-  PointCloud result = cloud;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3f p = (pose * cloud.point(i).cast<double>()).cast<float>();
-    result.x[i] = p.x();
-    result.y[i] = p.y();
-    result.z[i] = p.z();
-    if (!cloud.has_normals()) continue;
-    const Eigen::Vector3f n = (pose.linear() * cloud.normal(i).cast<double>()).cast<float>();
-    result.nx[i] = n.x();
-    result.ny[i] = n.y();
-    result.nz[i] = n.z();
-  }
-  return result;
-}
-
 inline double peak_rss_mb() {
   rusage use{};
   getrusage(RUSAGE_SELF, &use);

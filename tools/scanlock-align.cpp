@@ -17,6 +17,7 @@
 #include "align_options.hpp"
 #include "align_report.hpp"
 #include "evaluation/alignment_picture.hpp"
+#include "geometry/angles.hpp"
 #include "icp/cloud_alignment.hpp"
 #include "icp/cloud_thinning.hpp"
 #include "io/cloud_file.hpp"
@@ -94,7 +95,7 @@ Json result_json(const AlignOptions& options, const CloudAlignment& result, std:
 void add_truth(const PointCloud& source, const Pose& found, const Pose& truth, Json* json) {
   const Pose error = truth.inverse() * found;
   (*json)["rmse"] = rmse(source, found, truth);
-  (*json)["rotation_error_deg"] = so3_log(error.linear()).norm() * 180.0 / 3.14159265358979323846;
+  (*json)["rotation_error_deg"] = so3_log(error.linear()).norm() / kDegree;
   (*json)["translation_error"] = (found.translation() - truth.translation()).norm();
 }
 

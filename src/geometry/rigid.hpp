@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "geometry/point_cloud.hpp"
+
 namespace scanlock {
 
 /// A rigid transform; `Pose a_from_b` maps coordinates in b to coordinates in a.
@@ -40,5 +42,8 @@ Pose renormalised(const Pose& pose);
 
 /// Whether two poses differ by less.
 bool near(const Pose& a, const Pose& b, double metres, double radians);
+
+/// The cloud with its points and normals moved; other attributes stay.
+PointCloud moved(PointCloud cloud, const Pose& pose);
 
 }  // namespace scanlock

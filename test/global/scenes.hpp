@@ -36,13 +36,6 @@ inline PointCloud yard(unsigned seed, unsigned sampling) {
   return cloud;
 }
 
-inline PointCloud moved(const PointCloud& cloud, const Pose& pose) {
-  PointCloud result;
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    result.push_back(Eigen::Vector3f((pose * cloud.point(i).cast<double>()).cast<float>()));
-  return result;
-}
-
 inline Pose level_pose(double yaw, double x, double y, double z) {
   Pose pose = Pose::Identity();
   pose.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
