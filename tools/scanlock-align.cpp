@@ -99,21 +99,6 @@ void add_truth(const PointCloud& source, const Pose& found, const Pose& truth, J
   (*json)["translation_error"] = (found.translation() - truth.translation()).norm();
 }
 
-void print(const AlignOptions& options, const Json& json) {
-  if (options.json) {
-    std::cout << json.dump() << "\n";
-    return;
-  }
-  const auto& t = json["transform"];
-  for (std::size_t row = 0; row < 4; ++row) {
-    std::printf("%.9g %.9g %.9g %.9g\n", t[4 * row].get<double>(), t[4 * row + 1].get<double>(),
-                t[4 * row + 2].get<double>(), t[4 * row + 3].get<double>());
-  }
-  for (const auto& [key, value] : json.items()) {
-    if (key != "transform" && key != "covariance") std::cerr << key << ": " << value.dump() << "\n";
-  }
-}
-
 CloudTarget make_target(const AlignOptions& options, const PointCloud& cloud) {
   try {
     return CloudTarget(cloud, options.threads);
@@ -182,7 +167,7 @@ void run(const AlignOptions& options) {
                      alignment_svg({moved(source_file, start), moved(source_file, result.target_from_source),
                                     target_file, options.method}));
   }
-  print(options, json);
+  print_result(json, options.json);
 }
 
 }  // namespace

@@ -131,6 +131,10 @@ Matrix6 adjoint(const Pose& pose) {
   return ad;
 }
 
+Eigen::Matrix3d level_rotation(const Eigen::Vector3d& up) {
+  return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+}
+
 Pose renormalised(const Pose& pose) {
   Pose result = pose;
   result.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();

@@ -5,8 +5,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
-#include "geometry/point_cloud.hpp"
-#include "geometry/rigid.hpp"
+#include "geometry/moved_cloud.hpp"
 
 namespace scanlock {
 
