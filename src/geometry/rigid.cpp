@@ -146,19 +146,4 @@ bool near(const Pose& a, const Pose& b, double metres, double radians) {
   return difference.translation().norm() < metres && so3_log(difference.linear()).norm() < radians;
 }
 
-PointCloud moved(PointCloud cloud, const Pose& pose) {
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3f p = (pose * cloud.point(i).cast<double>()).cast<float>();
-    cloud.x[i] = p.x();
-    cloud.y[i] = p.y();
-    cloud.z[i] = p.z();
-    if (!cloud.has_normals()) continue;
-    const Eigen::Vector3f n = (pose.linear() * cloud.normal(i).cast<double>()).cast<float>();
-    cloud.nx[i] = n.x();
-    cloud.ny[i] = n.y();
-    cloud.nz[i] = n.z();
-  }
-  return cloud;
-}
-
 }  // namespace scanlock

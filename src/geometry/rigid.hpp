@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "geometry/point_cloud.hpp"
 
 namespace scanlock {
 
@@ -46,8 +45,5 @@ Pose renormalised(const Pose& pose);
 
 /// Whether two poses differ by less.
 bool near(const Pose& a, const Pose& b, double metres, double radians);
-
-/// The cloud with its points and normals moved; other attributes stay.
-PointCloud moved(PointCloud cloud, const Pose& pose);
 
 }  // namespace scanlock

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <random>
 
+#include "geometry/moved_cloud.hpp"
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 
