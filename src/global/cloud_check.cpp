@@ -37,33 +37,47 @@ CloudCheck::CloudCheck(const PointCloud& cloud, double voxel)
   trace_rays();
 }
 
-std::uint64_t CloudCheck::cell(const Eigen::Vector3f& p) const {
-  constexpr std::int64_t kMiddle = std::int64_t{1} << 20;
-  const Eigen::Array3f index = (p.array() / (kCell * voxel_)).floor().max(-1e6f).min(1e6f);
-  return static_cast<std::uint64_t>((static_cast<std::int64_t>(index.x()) + kMiddle) << 42 |
-                                    (static_cast<std::int64_t>(index.y()) + kMiddle) << 21 |
-                                    (static_cast<std::int64_t>(index.z()) + kMiddle));
+Eigen::Array3i CloudCheck::cell(const Eigen::Vector3f& p) const {
+  constexpr float kFar = kMostSteps + 1;
+  return (p.array() / (kCell * voxel_)).floor().max(-kFar).min(kFar).cast<int>();
 }
 
+std::ptrdiff_t CloudCheck::index(const Eigen::Array3i& cell) const {
+  const Eigen::Array3i offset = cell - low_;
+  if ((offset < 0).any() || (offset >= size_).any()) return -1;
+  return (static_cast<std::ptrdiff_t>(offset.z()) * size_.y() + offset.y()) * size_.x() + offset.x();
+}
+
+/// No ray is followed farther than kMostSteps, which bounds the cells: 8 MB of bits.
 void CloudCheck::trace_rays() {
   const float step = kCell * voxel_;
+  Eigen::Array3i high = Eigen::Array3i::Zero();
+  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    low_ = low_.min(cell(cloud_.point(i)));
+    high = high.max(cell(cloud_.point(i)));
+  }
+  size_ = high - low_ + 1;
+  free_.assign(static_cast<std::size_t>(size_.cast<std::ptrdiff_t>().prod()), false);
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
     const float range = cloud_.point(i).norm();
     const Eigen::Vector3f direction = cloud_.point(i) / range;
     // The last stretch may graze the surface that the ray ends on.
     const int steps = std::min(static_cast<int>((range - kStandOff * step) / step), kMostSteps);
-    for (int k = 1; k < steps; ++k) free_.push_back(cell(direction * (step * static_cast<float>(k))));
+    for (int k = 1; k < steps; ++k) {
+      const std::ptrdiff_t at = index(cell(direction * (step * static_cast<float>(k))));
+      if (at >= 0) free_[static_cast<std::size_t>(at)] = true;
+    }
   }
-  std::sort(free_.begin(), free_.end());
-  free_.erase(std::unique(free_.begin(), free_.end()), free_.end());
 }
 
 /// Rays skim over the ground between the few that hit it: where it is free below, too, that is not the
 /// ground.
 bool CloudCheck::is_free(const Eigen::Vector3f& p) const {
-  const Eigen::Vector3f below(0, 0, kCell * voxel_);
-  return std::binary_search(free_.begin(), free_.end(), cell(p)) &&
-         std::binary_search(free_.begin(), free_.end(), cell(p - below));
+  const auto free = [&](const Eigen::Vector3f& at) {
+    const std::ptrdiff_t i = index(cell(at));
+    return i >= 0 && free_[static_cast<std::size_t>(i)];
+  };
+  return free(p) && free(p - Eigen::Vector3f(0, 0, kCell * voxel_));
 }
 
 CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck& to,

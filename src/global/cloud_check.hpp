@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -43,13 +44,15 @@ class CloudCheck {
   /// Marks what the rays from the origin to the points crossed.
   void trace_rays();
   bool is_free(const Eigen::Vector3f& p) const;
-  std::uint64_t cell(const Eigen::Vector3f& p) const;
+  Eigen::Array3i cell(const Eigen::Vector3f& p) const;
+  std::ptrdiff_t index(const Eigen::Array3i& cell) const;  // -1: outside
 
   const PointCloud& cloud_;
   float voxel_;
   KdTree tree_;
   std::vector<std::uint32_t> samples_;
-  std::vector<std::uint64_t> free_;  // cells, sorted
+  Eigen::Array3i low_ = Eigen::Array3i::Zero(), size_ = Eigen::Array3i::Zero();  // cells: the box of free_
+  std::vector<bool> free_;
 };
 
 }  // namespace scanlock
