@@ -31,7 +31,10 @@ constexpr double kNoRival = 2;     // the same
 constexpr int kPreciseMatches = 24;
 // Who draws long enough finds what looks right: later match sets have to pass both tests.
 constexpr int kPlainAttempts = 2;
-constexpr int kPeels = 4;
+constexpr int kPeels = 4, kProposals = 8;
+constexpr double kPeeled = 2;                // epsilons
+constexpr double kOutOfQuestion = 0.4;       // of the score: so much behind the best proposal
+constexpr double kImpossible = 0.3;          // contradiction
 constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
 constexpr int kRounds = 8;
 constexpr std::size_t kManyKeypoints = 300;
@@ -157,19 +160,23 @@ void Registrar::compare_clouds(Hypothesis* hypothesis) {
 }
 
 /// Where matches are ambiguous the right pose need not have the most of them. Takes those of the poses found
-/// so far away, and looks at what the others agree on.
+/// so far away, and looks at what the others agree on. A pose is taken away where it was found, too: its
+/// matches may crowd about one that is known already.
 void Registrar::look_for_more(Matches matches) {
-  for (int peel = 0; peel < kPeels; ++peel) {
-    for (const Hypothesis& h : hypotheses_) {
-      matches.erase(
-          std::remove_if(matches.begin(), matches.end(),
-                         [&](const Match& m) { return (h.start * m.p - m.q).norm() <= result_.epsilon; }),
-          matches.end());
-    }
+  std::vector<Pose> found = {result_.solution.target_from_source, result_.solution.runner_up};
+  for (const Hypothesis& h : hypotheses_) found.push_back(h.start);
+  for (int peel = 0; peel < (options_.judged ? kPeels : kProposals); ++peel) {
+    const auto agrees = [&](const Match& m) {
+      const double reach = kPeeled * result_.epsilon + options_.tilt * m.p.norm();
+      return std::any_of(found.begin(), found.end(),
+                         [&](const Pose& pose) { return (pose * m.p - m.q).norm() <= reach; });
+    };
+    matches.erase(std::remove_if(matches.begin(), matches.end(), agrees), matches.end());
     const MatchRegistration next = search(matches, false);
     account(next);
     if (next.consensus < kFewestMatches) break;
     add_hypothesis(next.target_from_source, next.consensus);
+    found = {next.target_from_source, hypotheses_.back().start};
   }
 }
 
@@ -202,7 +209,7 @@ std::string Registrar::numbers() const {
   char text[200];
   int length = std::snprintf(text, sizeof text, "%d of %zu matches agree, next %d", s.consensus, s.matches,
                              s.runner_up_consensus);
-  if (options_.judged) {
+  if (!hypotheses_.empty()) {
     std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
                   "; %.0f %% of the surfaces overlap, %.1f %% contradict", 100 * result_.fit.overlap,
                   100 * result_.fit.contradiction);
@@ -258,7 +265,7 @@ void Registrar::judge() {
   }
 }
 
-/// The poses that the matches propose, in the order of their consensus.
+/// The poses that the matches propose and the clouds do not rule out, the likeliest first.
 CloudRegistration Registrar::propose() {
   const Matches matches = match(source_, target_, options_.lambda);
   result_.solution = search(matches, true);
@@ -270,9 +277,27 @@ CloudRegistration Registrar::propose() {
   if (result_.solution.runner_up_consensus >= kFewestMatches)
     add_hypothesis(result_.solution.runner_up, result_.solution.runner_up_consensus);
   look_for_more(matches);
-  result_.start = result_.target_from_source = hypotheses_.front().start;
-  for (std::size_t k = 1; k < hypotheses_.size(); ++k) result_.rivals.push_back(hypotheses_[k].start);
+  CpuClock clock;
+  for (Hypothesis& h : hypotheses_) compare_clouds(&h);
+  result_.refinement_ms += clock.lap();
+  const int largest = hypotheses_.front().consensus;
+  std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
+                   [](const auto& a, const auto& b) { return score(a.fit) > score(b.fit); });
+  const Hypothesis& best = hypotheses_.front();
+  result_.start = best.start;
+  result_.target_from_source = best.refined;
+  result_.fit = best.fit;
+  result_.degenerate_axes = best.degenerate_axes;
+  result_.largest_consensus = best.consensus == largest;
+  for (const Hypothesis& h : hypotheses_) {
+    if (&h != &best && score(h.fit) > score(best.fit) - kOutOfQuestion) result_.rivals.push_back(h.refined);
+  }
+  result_.why = numbers();
   const MatchRegistration& s = result_.solution;
+  if (best.fit.contradiction > kImpossible) {
+    result_.why = "the clouds contradict every pose: " + result_.why;
+    return result_;
+  }
   result_.verdict = !s.certified                                     ? GlobalVerdict::kUncertified
                     : s.consensus < kClearMargin * s.runner_up_bound ? GlobalVerdict::kAmbiguous
                                                                      : GlobalVerdict::kCertain;

@@ -31,8 +31,9 @@ struct CloudRegistrationOptions {
   /// takes on the slopes of a place. Empty: the z axis. Then at least 8 matches have to agree for any
   /// consensus.
   std::vector<Eigen::Vector3d> target_ups;
-  /// The clouds judge the poses that the matches propose. False: they are left to the caller to judge, by
-  /// means of his own; the verdict then speaks of the matches alone, and nothing is refined with the clouds.
+  /// The clouds decide between the poses that the matches propose. False: that is left to the caller and his
+  /// own means; the clouds only put them in order, the likeliest first, and rule out the impossible ones. The
+  /// verdict then speaks of the matches alone.
   bool judged = true;
   int lambda = 3;
   int attempts = 2;                 ///< match sets that are drawn at most, see below

@@ -97,6 +97,30 @@ TEST_CASE("the same clouds give the same answer") {
   CHECK(a.why == b.why);
 }
 
+TEST_CASE("all places that look alike are proposed") {
+  const PointCloud seen = yard(5, 6);
+  const std::vector<Pose> places = {level_pose(0.3, -70, 0, 0), level_pose(2, 0, 0, 0),
+                                    level_pose(-1, 70, 0, 0)};
+  PointCloud map;
+  for (const Pose& place : places) {
+    const PointCloud copy = moved(yard(5, 7), place);
+    for (std::size_t i = 0; i < copy.size(); ++i) map.push_back(copy.point(i));
+  }
+  DescriptionOptions description;
+  description.voxel = 0.5;
+  CloudRegistrationOptions options;
+  options.judged = false;
+  options.tilt = 0.01;
+  const CloudRegistration found =
+      register_clouds(describe(seen, description), describe(map, description), options);
+  std::vector<Pose> proposed = found.rivals;
+  proposed.push_back(found.target_from_source);
+  for (const Pose& place : places) {
+    CHECK(std::count_if(proposed.begin(), proposed.end(),
+                        [&](const Pose& pose) { return near(pose, place, 0.3, 0.02); }) == 1);
+  }
+}
+
 TEST_CASE("nothing to register") {
   CHECK(registered(PointCloud{}, PointCloud{}).verdict == GlobalVerdict::kNoOverlap);
   CHECK(registered(yard(1, 1), PointCloud{}).verdict == GlobalVerdict::kNoOverlap);
