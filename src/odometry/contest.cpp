@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "icp/degeneracy.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -12,20 +14,30 @@ constexpr double kDegree = 3.14159265358979 / 180.0;
 constexpr double kUsualShare = 0.9;  // of the usual share of inliers that a place has to have
 constexpr int kWins = 3;             // scans in a row
 constexpr int kMissesAllowed = 1;
-constexpr int kPatience = 8;       // scans in which it has to be decided
-constexpr double kClearly = 1.3;   // times the cost of the leader, and
-constexpr double kAtLeast = 0.03;  // that much more: clearly worse
-constexpr double kHopeless = 2.0;  // times the cost: out
+constexpr int kPatience = 8;                           // scans in which it has to be decided
+constexpr double kClearly = 1.3;                       // times the cost of the leader, and
+constexpr double kAtLeast = 0.03;                      // that much more: clearly worse
+constexpr double kHopeless = 2.0;                      // times the cost: out
+constexpr std::uint32_t kOnTheGround = 1u | 2u | 32u;  // x, y, yaw
+
+/// Whether the place slides along what is seen: a tunnel is the same everywhere.
+bool is_open(const Attempt& attempt) {
+  return (find_degeneracy(attempt.alignment.information.topLeftCorner<6, 6>()).axes & kOnTheGround) != 0;
+}
 
 }  // namespace
 
-Contest::Contest(const std::vector<Pose>& map_from_predicted, int wins) : wins_(wins) {
+Contest::Contest(const std::vector<Pose>& map_from_predicted) {
   for (const Pose& pose : map_from_predicted) {
-    Place place;
-    place.map_from_predicted = pose;
-    place.tried = wins > 0;
-    places_.push_back(std::move(place));
+    places_.emplace_back();
+    places_.back().map_from_predicted = pose;
   }
+}
+
+Contest::Contest(const Pose& map_from_predicted, int wins) : Contest(std::vector<Pose>{map_from_predicted}) {
+  places_.front().tried = wins > 0;
+  wins_ = wins;
+  expected_ = true;
 }
 
 void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
@@ -66,6 +78,7 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
     const double cost = leader.attempt.cost();
     return !other.fits || other.attempt.cost() > std::max(kClearly * cost, cost + kAtLeast);
   });
+  if (clear && !expected_ && is_open(leader.attempt)) return Outcome::kUndecided;
   const bool same = !led || near(led_by, leader.map_from_predicted, 1.0, 6.0 * kDegree);
   wins_ = !clear ? 0 : same ? wins_ + 1 : 1;
   if (wins_ >= kWins) return Outcome::kWon;

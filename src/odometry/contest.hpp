@@ -12,13 +12,15 @@ namespace scanlock {
 
 /// Places where a lost robot may be, tried on the scans that follow. One is believed when it explains a few
 /// of them in a row, and clearly better than any other does: two that do equally well are told apart by
-/// neither.
+/// neither, and one that could as well stand a little farther on is none.
 class Contest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
-  /// Corrections of predicted poses, the favourite first. `wins`: scans that it has explained already.
-  explicit Contest(const std::vector<Pose>& map_from_predicted, int wins = 0);
+  /// Corrections of predicted poses, the favourite first.
+  explicit Contest(const std::vector<Pose>& map_from_predicted);
+  /// One that needs no search, for the robot is expected there. `wins`: scans that it has explained already.
+  Contest(const Pose& map_from_predicted, int wins);
 
   /// One more scan, which the excursion has followed. Only kOpen goes on.
   Outcome judge(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion);
@@ -41,7 +43,8 @@ class Contest {
   void drop_losers();
 
   std::vector<Place> places_;  ///< never empty; the leader first
-  int wins_, scans_ = 0;
+  int wins_ = 0, scans_ = 0;
+  bool expected_ = false;
 };
 
 }  // namespace scanlock

@@ -105,7 +105,7 @@ void Relocation::feel(const PreparedScan& scan, Odometer& odometer, Attempt* att
   const bool there = standing ? near(found, *last_seen_, share * 0.5, share * 5.0 * kDegree)
                               : near(found, predicted.pose, share * gate_m_, share * gate_rad_);
   if (there && explains(*attempt, kCalmScore))
-    candidate_ = Candidate{Contest({renormalised(found * predicted.pose.inverse())}, 1), std::nullopt};
+    candidate_ = Candidate{Contest(renormalised(found * predicted.pose.inverse()), 1), std::nullopt};
 }
 
 /// Whether one of the places is believed with this scan.
@@ -176,7 +176,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
 }
 
 void Relocation::propose_here() {
-  candidate_ = Candidate{Contest({Pose::Identity()}), std::nullopt};
+  candidate_ = Candidate{Contest(Pose::Identity(), 0), std::nullopt};
 }
 
 }  // namespace scanlock
