@@ -86,12 +86,16 @@ int count_wrong_jumps(const PosePairs& pairs, const Pose& alignment, const std::
     for (; next != kidnaps.end() && next->time_s <= pair.time_s + kSameTime; ++next)
       kidnapped_s = next->time_s;
     const auto state = state_at(states, pair.time_s);
+    const double error = metres(pair.reference.inverse() * (alignment * pair.estimate));
+    if (state == TrackingState::kDegraded) {  // it names the axis that it drifts along
+      last_error = error;
+      continue;
+    }
     if (state != TrackingState::kTracking) {
-      if (state != TrackingState::kDegraded) wrong_now = false;  // it says itself that it is lost
+      wrong_now = false;  // it says itself that it is lost
       continue;
     }
     if (pair.time_s - kidnapped_s < kNoticedSeconds) continue;
-    const double error = metres(pair.reference.inverse() * (alignment * pair.estimate));
     if (!wrong_now && error > kWrongMetres && error > last_error + kRise) {
       ++wrong;
       wrong_now = true;

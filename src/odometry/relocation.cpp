@@ -160,7 +160,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     const Pose place = renormalised(answer.map_from_predicted * excursion_->state().pose);
     if (!covers(odometer, place, archive.scene(place.translation())))
       odometer.reload(archive.keyframes(), place.translation(), voxel);
-    state_ = TrackingState::kRecovering;
+    if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
     // Earlier finds are rivals too: what a few matches more or less decide is not decided.
     std::vector<Pose> places = {answer.map_from_predicted};
     for (const std::vector<Pose>& others : {answer.rivals, earlier_finds_})
