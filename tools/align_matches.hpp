@@ -3,8 +3,6 @@
 // scanlock-align --correspondences: the 4DOF solver on a file of matches.
 #pragma once
 
-#include <sys/resource.h>
-
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
@@ -16,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "align_report.hpp"
+#include "geometry/angles.hpp"
 #include "global/cpu_clock.hpp"
 #include "global/match_ransac.hpp"
 #include "global/match_registration.hpp"
@@ -70,10 +70,9 @@ inline int parse_align_matches(int argc, char** argv, AlignMatchesOptions& optio
     std::cerr << "scanlock-align: " << sentence << "\n";
     return 2;
   };
-  constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
   options.registration.prune = !options.no_pruning;
   options.registration.up = {options.up[0], options.up[1], options.up[2]};
-  options.registration.tilt = options.tilt_degrees * kRadiansPerDegree;
+  options.registration.tilt = options.tilt_degrees * kDegree;
   if (!(options.registration.epsilon > 0) || !std::isfinite(options.registration.epsilon))
     return wrong("--epsilon: must be a number of metres above 0");
   if (!(options.registration.budget_s >= 0)) return wrong("--budget: must be 0 seconds or more");
@@ -86,27 +85,16 @@ inline int parse_align_matches(int argc, char** argv, AlignMatchesOptions& optio
   return -1;
 }
 
-inline nlohmann::ordered_json align_matches_json(const MatchRegistration& found,
-                                                 const MatchRegistrationOptions& options, double read_ms,
-                                                 double total_ms) {
-  const auto row_major = [](const Pose& pose) {
-    nlohmann::ordered_json values = nlohmann::ordered_json::array();
-    for (int row = 0; row < 4; ++row) {
-      for (int column = 0; column < 4; ++column) values.push_back(pose.matrix()(row, column));
-    }
-    return values;
-  };
-  rusage use{};
-  getrusage(RUSAGE_SELF, &use);
-  constexpr double kDegreesPerRadian = 180 / 3.14159265358979323846;
+inline Json align_matches_json(const MatchRegistration& found, const MatchRegistrationOptions& options,
+                               double read_ms, double total_ms) {
   return {{"method", "4dof"},
-          {"transform", row_major(found.target_from_source)},
+          {"transform", row_major(found.target_from_source.matrix())},
           {"points", {found.matches, found.matches}},
           {"iterations", found.nodes},
           {"stop_reason", found.certified ? "certified" : "budget"},
           {"inlier_ratio", static_cast<double>(found.consensus) / static_cast<double>(found.matches)},
           {"epsilon", options.epsilon},
-          {"tilt_deg", options.tilt * kDegreesPerRadian},
+          {"tilt_deg", options.tilt / kDegree},
           {"matches", found.matches},
           {"matches_after_pruning", found.matches_after_pruning},
           {"consensus", found.consensus},
@@ -114,7 +102,7 @@ inline nlohmann::ordered_json align_matches_json(const MatchRegistration& found,
           {"certified", found.certified},
           {"runner_up_consensus", found.runner_up_consensus},
           {"runner_up_bound", found.runner_up_bound},
-          {"runner_up_transform", row_major(found.runner_up)},
+          {"runner_up_transform", row_major(found.runner_up.matrix())},
           {"nodes", found.nodes},
           {"inliers", found.inliers},
           {"ms",
@@ -127,22 +115,7 @@ inline nlohmann::ordered_json align_matches_json(const MatchRegistration& found,
             {"runner_up", found.runner_up_ms},
             {"solve", found.pruning_ms + found.search_ms + found.runner_up_ms},
             {"total", total_ms}}},
-          {"peak_rss_mb", static_cast<double>(use.ru_maxrss) / 1024.0}};
-}
-
-inline void print_align_matches(const nlohmann::ordered_json& json, bool as_json) {
-  if (as_json) {
-    std::cout << json.dump() << "\n";
-    return;
-  }
-  const auto& t = json["transform"];
-  for (std::size_t row = 0; row < 4; ++row) {
-    std::printf("%.9g %.9g %.9g %.9g\n", t[4 * row].get<double>(), t[4 * row + 1].get<double>(),
-                t[4 * row + 2].get<double>(), t[4 * row + 3].get<double>());
-  }
-  for (const auto& [key, value] : json.items()) {
-    if (!value.is_array()) std::cerr << key << ": " << value.dump() << "\n";
-  }
+          {"peak_rss_mb", peak_rss_mb()}};
 }
 
 /// The baseline, in the shape of the solver's answer: nothing proven, all of its time in the search.
@@ -185,9 +158,9 @@ inline int align_matches(int argc, char** argv) {
     } catch (const std::invalid_argument& error) {
       throw std::runtime_error(options.file + ": " + error.what());
     }
-    nlohmann::ordered_json json = align_matches_json(found, options.registration, read_ms, since(start));
+    Json json = align_matches_json(found, options.registration, read_ms, since(start));
     if (options.ransac) json["stop_reason"] = "samples";
-    print_align_matches(json, options.json);
+    print_result(json, options.json);
   } catch (const std::exception& error) {
     std::cerr << "scanlock-align: " << error.what() << "\n";
     return 1;

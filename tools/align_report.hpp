@@ -8,10 +8,11 @@
 #include <Eigen/Core>
 #include <chrono>
 #include <cstdint>
+#include <cstdio>
+#include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "geometry/point_cloud.hpp"
-#include "geometry/rigid.hpp"
+#include "geometry/moved_cloud.hpp"
 
 namespace scanlock {
 
@@ -31,22 +32,6 @@ class Stopwatch {
   using Clock = std::chrono::steady_clock;
   Clock::time_point last_ = Clock::now();
 };
-
-inline PointCloud moved(const PointCloud& cloud, const Pose& pose) {
-  PointCloud result = cloud;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3f p = (pose * cloud.point(i).cast<double>()).cast<float>();
-    result.x[i] = p.x();
-    result.y[i] = p.y();
-    result.z[i] = p.z();
-    if (!cloud.has_normals()) continue;
-    const Eigen::Vector3f n = (pose.linear() * cloud.normal(i).cast<double>()).cast<float>();
-    result.nx[i] = n.x();
-    result.ny[i] = n.y();
-    result.nz[i] = n.z();
-  }
-  return result;
-}
 
 inline double peak_rss_mb() {
   rusage use{};
@@ -69,6 +54,24 @@ inline Json axis_names(std::uint32_t axes) {
     if (axes >> bit & 1u) names.push_back(kNames[bit]);
   }
   return names;
+}
+
+/// The object on one line; or, for people, the transform on standard output and the rest, but for long lists,
+/// on standard error.
+inline void print_result(const Json& json, bool as_json) {
+  if (as_json) {
+    std::cout << json.dump() << "\n";
+    return;
+  }
+  const auto& t = json["transform"];
+  for (std::size_t row = 0; row < 4; ++row) {
+    std::printf("%.9g %.9g %.9g %.9g\n", t[4 * row].get<double>(), t[4 * row + 1].get<double>(),
+                t[4 * row + 2].get<double>(), t[4 * row + 3].get<double>());
+  }
+  constexpr std::size_t kLong = 12;
+  for (const auto& [key, value] : json.items()) {
+    if (!value.is_array() || value.size() < kLong) std::cerr << key << ": " << value.dump() << "\n";
+  }
 }
 
 }  // namespace scanlock

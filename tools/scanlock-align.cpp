@@ -17,6 +17,7 @@
 #include "align_options.hpp"
 #include "align_report.hpp"
 #include "evaluation/alignment_picture.hpp"
+#include "geometry/angles.hpp"
 #include "icp/cloud_alignment.hpp"
 #include "icp/cloud_thinning.hpp"
 #include "io/cloud_file.hpp"
@@ -94,23 +95,8 @@ Json result_json(const AlignOptions& options, const CloudAlignment& result, std:
 void add_truth(const PointCloud& source, const Pose& found, const Pose& truth, Json* json) {
   const Pose error = truth.inverse() * found;
   (*json)["rmse"] = rmse(source, found, truth);
-  (*json)["rotation_error_deg"] = so3_log(error.linear()).norm() * 180.0 / 3.14159265358979323846;
+  (*json)["rotation_error_deg"] = so3_log(error.linear()).norm() / kDegree;
   (*json)["translation_error"] = (found.translation() - truth.translation()).norm();
-}
-
-void print(const AlignOptions& options, const Json& json) {
-  if (options.json) {
-    std::cout << json.dump() << "\n";
-    return;
-  }
-  const auto& t = json["transform"];
-  for (std::size_t row = 0; row < 4; ++row) {
-    std::printf("%.9g %.9g %.9g %.9g\n", t[4 * row].get<double>(), t[4 * row + 1].get<double>(),
-                t[4 * row + 2].get<double>(), t[4 * row + 3].get<double>());
-  }
-  for (const auto& [key, value] : json.items()) {
-    if (key != "transform" && key != "covariance") std::cerr << key << ": " << value.dump() << "\n";
-  }
 }
 
 CloudTarget make_target(const AlignOptions& options, const PointCloud& cloud) {
@@ -181,7 +167,7 @@ void run(const AlignOptions& options) {
                      alignment_svg({moved(source_file, start), moved(source_file, result.target_from_source),
                                     target_file, options.method}));
   }
-  print(options, json);
+  print_result(json, options.json);
 }
 
 }  // namespace

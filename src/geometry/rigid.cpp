@@ -131,10 +131,19 @@ Matrix6 adjoint(const Pose& pose) {
   return ad;
 }
 
+Eigen::Matrix3d level_rotation(const Eigen::Vector3d& up) {
+  return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+}
+
 Pose renormalised(const Pose& pose) {
   Pose result = pose;
   result.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();
   return result;
+}
+
+bool near(const Pose& a, const Pose& b, double metres, double radians) {
+  const Pose difference = a.inverse() * b;
+  return difference.translation().norm() < metres && so3_log(difference.linear()).norm() < radians;
 }
 
 }  // namespace scanlock

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+
 namespace scanlock {
 
 /// A rigid transform; `Pose a_from_b` maps coordinates in b to coordinates in a.
@@ -35,7 +36,14 @@ Matrix6 se3_left_jacobian(const Vector6& xi);
 /// Adjoint: T exp(xi) T^-1 = exp(Ad(T) xi).
 Matrix6 adjoint(const Pose& pose);
 
+/// The least rotation that turns `up` (any length but 0) into the z axis; of the direction opposite to z,
+/// half a turn about some horizontal axis.
+Eigen::Matrix3d level_rotation(const Eigen::Vector3d& up);
+
 /// The nearest rotation, for a product of many; a no-op to rounding for a good one.
 Pose renormalised(const Pose& pose);
+
+/// Whether two poses differ by less.
+bool near(const Pose& a, const Pose& b, double metres, double radians);
 
 }  // namespace scanlock

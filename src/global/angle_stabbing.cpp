@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/angles.hpp"
+
 namespace scanlock {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kTurn = 2 * kPi;
 constexpr double kUlps = 32 * 2.2e-16;    // of the squared lengths
 constexpr double kAngleRounding = 4e-15;  // radians: two azimuths, an arc cosine and their sums

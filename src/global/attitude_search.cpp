@@ -36,17 +36,13 @@ void merge(const MatchRegistration& loser, const Eigen::Vector3d& centre, double
 
 }  // namespace
 
-Eigen::Matrix3d level_of(const Eigen::Vector3d& up) {
-  return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-}
-
 MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOptions search,
                                    const std::vector<Eigen::Vector3d>& target_ups,
                                    const Eigen::Vector3d& centre) {
   if (target_ups.empty()) return register_matches(matches, search);
   MatchRegistration best;
   for (const Eigen::Vector3d& up : target_ups) {
-    const Eigen::Matrix3d level = level_of(up);
+    const Eigen::Matrix3d level = level_rotation(up);
     search.at_least = std::max(kFewestMatches, static_cast<int>(std::ceil(best.consensus / kClearMargin)));
     MatchRegistration found = register_matches(turned(matches, level), search);
     for (Pose* pose : {&found.target_from_source, &found.runner_up}) *pose = level.transpose() * *pose;

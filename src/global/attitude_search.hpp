@@ -12,9 +12,6 @@ namespace scanlock {
 inline constexpr int kFewestMatches = 8;     // consensus below which nothing is believed
 inline constexpr double kClearMargin = 1.3;  // of the consensus over its runner-up
 
-/// The rotation that turns `up` (not 0) into the z axis.
-Eigen::Matrix3d level_of(const Eigen::Vector3d& up);
-
 /// register_matches() for each direction of the target's frame that may be the source's z axis, as one
 /// search: the largest consensus of all, with bounds that hold for all. Without directions: the z axis, and
 /// any consensus; else those below kFewestMatches, and those far below one that is known, are not searched

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/match.hpp"
 #include "geometry/point_cloud.hpp"
 #include "global/fpfh.hpp"
-#include "global/matches.hpp"
 
 namespace scanlock {
 

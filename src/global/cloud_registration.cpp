@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "geometry/moved_cloud.hpp"
 #include "geometry/rigid_fit.hpp"
 #include "global/attitude_search.hpp"
 #include "global/cpu_clock.hpp"
@@ -34,22 +35,6 @@ constexpr int kPeels = 4;
 constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
 constexpr int kRounds = 8;
 constexpr std::size_t kManyKeypoints = 300;
-
-PointCloud turned(const PointCloud& cloud, const Eigen::Matrix3d& rotation) {
-  PointCloud result = cloud;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3f p = (rotation * cloud.point(i).cast<double>()).cast<float>();
-    result.x[i] = p.x();
-    result.y[i] = p.y();
-    result.z[i] = p.z();
-    if (!cloud.has_normals()) continue;
-    const Eigen::Vector3f n = (rotation * cloud.normal(i).cast<double>()).cast<float>();
-    result.nx[i] = n.x();
-    result.ny[i] = n.y();
-    result.nz[i] = n.z();
-  }
-  return result;
-}
 
 /// The clouds of one registration, indexed once for all attempts.
 class Registrar {
@@ -128,7 +113,7 @@ Pose Registrar::refined(const Pose& start, std::uint32_t* degenerate_axes) {
 /// (Welsch's weights), for what is within epsilon by chance is anywhere there.
 Pose Registrar::middle_pose(Pose pose) {
   if (guided_matches_.empty()) guided_matches_ = match(source_, target_, kGuidedLambda);
-  const Eigen::Matrix3d level = level_of(pose.linear().col(2));
+  const Eigen::Matrix3d level = level_rotation(pose.linear().col(2));
   for (int round = 0; round < kRounds; ++round) {
     const double scale = std::max(kCrowd, 1.0 - kCrowd * round) * result_.epsilon;
     PairSums sums;
@@ -362,12 +347,12 @@ CloudRegistration register_raw_clouds(const PointCloud& source, const PointCloud
                                       const CloudRegistrationOptions& options, DescriptionTiming* timing) {
   if (!up.allFinite() || !(up.norm() > 0))
     throw std::invalid_argument("register_raw_clouds: up must be finite and not 0 0 0");
-  const Eigen::Matrix3d level = level_of(up);
+  const Eigen::Matrix3d level = level_rotation(up);
   const bool level_already = level.isIdentity(1e-12);
   DescriptionOptions common = description;
   if (!(common.voxel > 0)) common.voxel = description_voxel(target);
   const auto described = [&](const PointCloud& cloud) {
-    CloudDescription result = describe(level_already ? cloud : turned(cloud, level), common);
+    CloudDescription result = describe(level_already ? cloud : moved(cloud, Pose(level)), common);
     if (timing) {
       timing->keypoints_ms += result.points_ms + result.keypoints_ms;
       timing->features_ms += result.features_ms;

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/angles.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -20,7 +22,7 @@ struct AngleBorders {
   std::array<float, kMiddle> sine{}, cosine{};
   AngleBorders() {
     for (int m = 0; m < kMiddle; ++m) {
-      const double border = 3.14159265358979323846 * (2 * m + 1) / kBins;
+      const double border = kPi * (2 * m + 1) / kBins;
       sine[m] = static_cast<float>(std::sin(border));
       cosine[m] = static_cast<float>(std::cos(border));
     }

@@ -4,8 +4,8 @@
 
 #include <cstddef>
 
+#include "geometry/match.hpp"
 #include "geometry/rigid.hpp"
-#include "global/matches.hpp"
 
 namespace scanlock {
 

@@ -6,22 +6,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <stdexcept>
 #include <string>
 
+#include "global/cpu_clock.hpp"
 #include "global/pose_search.hpp"
 
 namespace scanlock {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 void check(const Matches& matches, const MatchRegistrationOptions& options) {
   const auto require = [](bool good, const char* sentence) {
@@ -64,8 +58,7 @@ struct Frame {
 Frame frame_of(const Matches& matches, const Eigen::Vector3d& up) {
   Frame frame;
   const Eigen::Vector3d axis = up.normalized();
-  if (axis != Eigen::Vector3d::UnitZ())
-    frame.level = Eigen::Quaterniond::FromTwoVectors(axis, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  if (axis != Eigen::Vector3d::UnitZ()) frame.level = level_rotation(axis);
   for (const Match& match : matches) {
     frame.p_centre += match.p;
     frame.q_centre += match.q;
@@ -142,7 +135,7 @@ MatchRegistration register_matches(const Matches& matches, const MatchRegistrati
     return result;
   }
   SearchLimits limits = limits_of(options);
-  const double start = cpu_ms();
+  CpuClock clock;
   const Frame frame = frame_of(matches, options.up);
   const LevelMatches all = levelled(matches, frame, options);
   LevelMatches pruned;
@@ -162,13 +155,13 @@ MatchRegistration register_matches(const Matches& matches, const MatchRegistrati
     if (!pruning.finished) bound = pruning.upper_bound;
     result.matches_after_pruning = kept.size();
   }
-  const double searching = cpu_ms();
+  (options.prune ? result.pruning_ms : result.search_ms) = clock.lap();
   const SearchResult search = search_poses(*left, best, limits);
   work += search.work;
   result.nodes += search.nodes;
   result.upper_bound = std::max(best.consensus, std::min(bound, search.upper_bound));
   if (best.consensus < options.at_least) {
-    result.search_ms = cpu_ms() - start;
+    result.search_ms += clock.lap();
     return result;
   }
   result.consensus = best.consensus;
@@ -176,16 +169,14 @@ MatchRegistration register_matches(const Matches& matches, const MatchRegistrati
   result.target_from_source = frame.pose(best.pose);
   for (const std::uint32_t i : inliers(all, best.pose)) result.inliers.push_back(all.original[i]);
   std::sort(result.inliers.begin(), result.inliers.end());
-  const double done = cpu_ms();
-  result.pruning_ms = options.prune ? searching - start : 0;
-  result.search_ms = done - (options.prune ? searching : start);
+  result.search_ms += clock.lap();
   if (options.runner_up && search.finished) {
     limits.nodes -= std::min(limits.nodes, search.nodes);
     find_runner_up(all, best.pose, options, limits, work, frame, result);
   } else {
     result.runner_up_bound = result.upper_bound;
   }
-  result.runner_up_ms = cpu_ms() - done;
+  result.runner_up_ms = clock.lap();
   return result;
 }
 

@@ -9,8 +9,8 @@
 #include <limits>
 #include <vector>
 
+#include "geometry/match.hpp"
 #include "geometry/rigid.hpp"
-#include "global/matches.hpp"
 
 namespace scanlock {
 

@@ -2,18 +2,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
 namespace scanlock {
-
-/// A candidate correspondence: source point p and target point q, metres.
-struct Match {
-  Eigen::Vector3d p, q;
-};
-using Matches = std::vector<Match>;
 
 /// A levelled rigid motion, source to target: (x, y) turns by `theta` counter-clockwise and moves by (x, y),
 /// z moves by z.

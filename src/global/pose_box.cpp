@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/angles.hpp"
+
 namespace scanlock {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Without a branch, which would be mispredicted half of the time.
 double positive_part(double x) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/angles.hpp"
 #include "global/conflicts.hpp"
 #include "global/pose_polish.hpp"
 #include "global/search_nodes.hpp"
@@ -12,8 +13,6 @@
 
 namespace scanlock {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 class Search {
  public:

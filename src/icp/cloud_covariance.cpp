@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/angles.hpp"
 #include "geometry/voxel_grid.hpp"
 #include "icp/local_surfaces.hpp"
 #include "icp/welsch.hpp"
@@ -29,7 +30,7 @@ constexpr double kLeastSlope = 0.02;
 // Sizes of the neighbourhoods whose errors may be one error, of the cloud's rms radius.
 constexpr double kNeighbourhoods[] = {1.0 / 32, 1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2};
 // A motion that nothing observes is as uncertain as this: the scene's size, half a turn.
-constexpr double kOpenRotation = 3.14159265358979;
+constexpr double kOpenRotation = kPi;
 
 struct PlanePair {
   Vector6 j;  // of the residual by xi, source centred

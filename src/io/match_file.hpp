@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string>
 
-#include "global/matches.hpp"
+#include "geometry/match.hpp"
 
 namespace scanlock {
 

@@ -11,14 +11,24 @@
 namespace scanlock {
 namespace {
 
-constexpr std::string_view kSeparators = " \t,\r\v\f";
+/// Not std::string_view::find_first_of(), which calls a function for each character.
+bool is_separator(char c) {
+  return c == ' ' || c == '\t' || c == ',' || c == '\r' || c == '\v' || c == '\f';
+}
+
+void skip_separators(std::string_view& text) {
+  std::size_t n = 0;
+  while (n < text.size() && is_separator(text[n])) ++n;
+  text.remove_prefix(n);
+}
 
 /// Takes the first word off `text`; an empty word at its end.
 std::string_view take_word(std::string_view& text) {
-  const std::size_t begin = std::min(text.find_first_not_of(kSeparators), text.size());
-  text.remove_prefix(begin);
-  const std::string_view word = text.substr(0, text.find_first_of(kSeparators));
-  text.remove_prefix(word.size());
+  skip_separators(text);
+  std::size_t n = 0;
+  while (n < text.size() && !is_separator(text[n])) ++n;
+  const std::string_view word = text.substr(0, n);
+  text.remove_prefix(n);
   return word;
 }
 
@@ -43,8 +53,9 @@ std::optional<std::string_view> TextLines::next() {
 
 std::optional<std::string_view> TextLines::next_with_content() {
   while (const auto line = next()) {
-    const std::string_view content = line->substr(0, line->find('#'));
-    if (content.find_first_not_of(kSeparators) != std::string_view::npos) return content;
+    std::string_view content = line->substr(0, line->find('#'));
+    skip_separators(content);
+    if (!content.empty()) return content;
   }
   return std::nullopt;
 }
@@ -55,19 +66,20 @@ void TextLines::fail(const std::string& what) const {
 
 void TextLines::parse_numbers(std::string_view text, std::vector<double>& numbers) const {
   numbers.clear();
-  for (auto word = take_word(text); !word.empty(); word = take_word(text)) {
-    const char* begin = word.data();
-    const char* end = begin + word.size();
+  for (skip_separators(text); !text.empty(); skip_separators(text)) {
+    const char* begin = text.data();
+    const char* const end = begin + text.size();
     if (*begin == '+') ++begin;  // which from_chars does not take
     double value = 0;
     const auto result = std::from_chars(begin, end, value);
-    if (result.ptr != end || result.ec == std::errc::invalid_argument)
-      fail(quoted(word) + " is not a number");
+    if ((result.ptr != end && !is_separator(*result.ptr)) || result.ec == std::errc::invalid_argument)
+      fail(quoted(take_word(text)) + " is not a number");
     if (result.ec == std::errc::result_out_of_range) {
       // Too large or too small for a double; from_chars does not say which, strtod does.
-      value = std::strtod(std::string(begin, end).c_str(), nullptr);
+      value = std::strtod(std::string(begin, result.ptr).c_str(), nullptr);
     }
     numbers.push_back(value);
+    text.remove_prefix(static_cast<std::size_t>(result.ptr - text.data()));
   }
 }
 

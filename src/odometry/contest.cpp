@@ -9,9 +9,7 @@ namespace scanlock {
 namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180.0;
-constexpr double kCalmScore = 4.0;   // robust z-score of the energy that a scan must get below
-constexpr double kUsualShare = 0.9;  // of the usual share of inliers that a place has to have,
-constexpr double kLeastShare = 0.5;  // and where nothing is usual yet
+constexpr double kUsualShare = 0.9;  // of the usual share of inliers that a place has to have
 constexpr int kWins = 3;             // scans in a row
 constexpr int kMissesAllowed = 1;
 constexpr int kPatience = 8;       // scans in which it has to be decided
@@ -20,21 +18,6 @@ constexpr double kAtLeast = 0.03;  // that much more: clearly worse
 constexpr double kHopeless = 2.0;  // times the cost: out
 
 }  // namespace
-
-Matrix12 prior_information(double metres, double radians, const Matrix12& covariance) {
-  Matrix12 information = Matrix12::Zero();
-  information.diagonal().head<3>().setConstant(1.0 / (metres * metres));
-  information.diagonal().segment<3>(3).setConstant(1.0 / (radians * radians));
-  Matrix6 velocity = covariance.bottomRightCorner<6, 6>();
-  velocity.diagonal().array() += 0.01;
-  information.bottomRightCorner<6, 6>() = velocity.inverse();
-  return information;
-}
-
-bool near(const Pose& a, const Pose& b, double metres, double radians) {
-  const Pose difference = a.inverse() * b;
-  return difference.translation().norm() < metres && so3_log(difference.linear()).norm() < radians;
-}
 
 Contest::Contest(const std::vector<Pose>& map_from_predicted, int wins) : wins_(wins) {
   for (const Pose& pose : map_from_predicted) {
@@ -45,17 +28,18 @@ Contest::Contest(const std::vector<Pose>& map_from_predicted, int wins) : wins_(
   }
 }
 
-void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const MovingPose& predicted,
-                        const Matrix12& covariance, Place& place) const {
+void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
+                        Place& place) const {
+  const MovingPose& predicted = excursion.state();
   const double metres = place.tried ? 0.1 : 0.5, radians = (place.tried ? 1.0 : 3.0) * kDegree;
   MotionPrior prior;
   prior.mean = {renormalised(place.map_from_predicted * predicted.pose), predicted.twist};
-  prior.information = prior_information(metres, radians, covariance);
+  prior.information = prior_information(metres, radians, excursion.covariance());
   place.attempt = odometer.align(scan, prior, Reach::kNear);
   const Pose& found = place.attempt.alignment.moving.pose;
   const Health& health = place.attempt.health;
-  const double share = health.usual_share > 0 ? kUsualShare * health.usual_share : kLeastShare;
-  place.fits = explains(place.attempt, kCalmScore) && health.share >= share &&
+  const double usual = health.usual_share > 0 ? health.usual_share : excursion.usual_share();
+  place.fits = explains(place.attempt, kCalmScore) && health.share >= kUsualShare * usual &&
                near(found, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   if (place.fits) {
     place.map_from_predicted = renormalised(found * predicted.pose.inverse());
@@ -65,11 +49,10 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Movi
   }
 }
 
-Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, const MovingPose& predicted,
-                                const Matrix12& covariance) {
+Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion) {
   const Pose led_by = places_.front().map_from_predicted;
   const bool led = wins_ > 0;
-  for (Place& place : places_) try_place(odometer, scan, predicted, covariance, place);
+  for (Place& place : places_) try_place(odometer, scan, excursion, place);
   std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
     return a.fits != b.fits ? a.fits : a.attempt.cost() < b.attempt.cost();
   });

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/rigid.hpp"
+#include "odometry/excursion.hpp"
 #include "odometry/odometer.hpp"
 
 namespace scanlock {
@@ -19,10 +20,8 @@ class Contest {
   /// Corrections of predicted poses, the favourite first. `wins`: scans that it has explained already.
   explicit Contest(const std::vector<Pose>& map_from_predicted, int wins = 0);
 
-  /// One more scan, whose predicted state is given. After kWon or kUndecided the contest is over, after
-  /// kRefuted too.
-  Outcome judge(Odometer& odometer, const PreparedScan& scan, const MovingPose& predicted,
-                const Matrix12& covariance);
+  /// One more scan, which the excursion has followed. Only kOpen goes on.
+  Outcome judge(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion);
 
   /// Of the place that leads, on the last scan.
   const Attempt& attempt() const { return places_.front().attempt; }
@@ -37,18 +36,12 @@ class Contest {
     bool tried = false;
     Attempt attempt;
   };
-  void try_place(Odometer& odometer, const PreparedScan& scan, const MovingPose& predicted,
-                 const Matrix12& covariance, Place& place) const;
+  void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
+                 Place& place) const;
   void drop_losers();
 
   std::vector<Place> places_;  ///< never empty; the leader first
   int wins_, scans_ = 0;
 };
-
-/// Of a pose known to so much in all directions, and of a velocity with that covariance (its last six).
-Matrix12 prior_information(double metres, double radians, const Matrix12& covariance);
-
-/// Whether two poses differ by less.
-bool near(const Pose& a, const Pose& b, double metres, double radians);
 
 }  // namespace scanlock

@@ -5,12 +5,6 @@
 #include <utility>
 
 namespace scanlock {
-namespace {
-
-constexpr double kJumpScore = 6.0;  // robust z-score of the energy
-
-}  // namespace
-
 Excursion::Excursion(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& predicted)
     : config_(config), odometer_(config) {
@@ -28,9 +22,12 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
   }
   if (!explains(attempt, kJumpScore)) {
     odometer_.start(utime, scan, prior.mean);
+    blind_s_ = 0;
     scans_ = 1;
     return false;
   }
+  blind_s_ = 0;
+  share_ = attempt.health.share;
   odometer_.accept(attempt);
   odometer_.keep(utime, scan, attempt.health.share);
   ++scans_;
@@ -38,7 +35,10 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
 }
 
 void Excursion::coast(double dt) {
-  odometer_.coast(odometer_.predict(dt));
+  blind_s_ += dt;
+  MotionPrior prior = odometer_.predict(dt);
+  if (blind_s_ > kCoastSeconds) prior.mean.twist.setZero();
+  odometer_.coast(prior);
 }
 
 PointCloud Excursion::submap(double radius, Eigen::Vector3d& centre) const {

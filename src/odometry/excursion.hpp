@@ -23,6 +23,8 @@ class Excursion {
 
   const MovingPose& state() const { return odometer_.state(); }
   const Matrix12& covariance() const { return odometer_.covariance(); }
+  /// Of a scan's points, those that its own map explains: what a good map of the same place would.
+  double usual_share() const { return share_; }
   /// Scans since it began.
   int scans() const { return scans_; }
 
@@ -34,6 +36,8 @@ class Excursion {
   TrackerConfig config_;
   Odometer odometer_;
   int scans_ = 1;
+  double share_ = 0.5;  ///< of the last scan that was followed
+  double blind_s_ = 0;  ///< since the last scan that was followed
 };
 
 }  // namespace scanlock

@@ -12,6 +12,7 @@ namespace scanlock {
 namespace {
 
 constexpr double kSpacing = 1.0 / 6.0;       // of the reach, between two places
+constexpr double kNeighbourhood = 20.0;      // metres
 constexpr std::size_t kMostPoints = 3000;    // of a place
 constexpr double kFirstVoxel = 1.0 / 100.0;  // of the reach
 
@@ -22,6 +23,23 @@ bool KeyframeArchive::wants(const Eigen::Vector3d& position, double reach) const
   return std::none_of(keyframes_.rbegin(), keyframes_.rend(), [&](const ArchivedKeyframe& k) {
     return (k.map_from_body.translation() - position).squaredNorm() < spacing * spacing;
   });
+}
+
+bool KeyframeArchive::knows(const Eigen::Vector3d& position) const {
+  return std::any_of(keyframes_.begin(), keyframes_.end(), [&](const ArchivedKeyframe& k) {
+    return (k.map_from_body.translation() - position).norm() < k.reach;
+  });
+}
+
+double KeyframeArchive::scene(const Eigen::Vector3d& position) const {
+  double sum = 0, weights = 0;
+  for (const ArchivedKeyframe& k : keyframes_) {
+    const double distance = (k.map_from_body.translation() - position).norm();
+    const double weight = 1.0 / (1.0 + std::pow(distance / kNeighbourhood, 4));
+    sum += weight * k.reach;
+    weights += weight;
+  }
+  return sum / weights;
 }
 
 void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double reach,

@@ -35,6 +35,11 @@ class KeyframeArchive {
 
   /// True where no archived keyframe is within a sixth of `reach` (metres) of `position` (map frame).
   bool wants(const Eigen::Vector3d& position, double reach) const;
+  /// Whether the robot has seen this position from near.
+  bool knows(const Eigen::Vector3d& position) const;
+  /// The size of the scene around a position: the mean reach, metres, of the places there. Not of an empty
+  /// one.
+  double scene(const Eigen::Vector3d& position) const;
   /// `points` in the body frame, any density.
   void add(std::int64_t utime, const Pose& map_from_body, double reach, const PointCloud& points);
   void restore(std::vector<ArchivedKeyframe> keyframes);

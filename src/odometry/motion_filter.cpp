@@ -62,4 +62,14 @@ void MotionFilter::coast(const MotionPrior& prior) {
   covariance_ = inverse(prior.information);
 }
 
+Matrix12 prior_information(double metres, double radians, const Matrix12& covariance) {
+  Matrix12 information = Matrix12::Zero();
+  information.diagonal().head<3>().setConstant(1.0 / (metres * metres));
+  information.diagonal().segment<3>(3).setConstant(1.0 / (radians * radians));
+  Matrix6 velocity = covariance.bottomRightCorner<6, 6>();
+  velocity.diagonal().array() += 0.01;
+  information.bottomRightCorner<6, 6>() = velocity.inverse();
+  return information;
+}
+
 }  // namespace scanlock

@@ -40,4 +40,7 @@ class MotionFilter {
   Matrix12 covariance_ = Matrix12::Identity();
 };
 
+/// Of a pose known to so much in all directions, and of a velocity with that covariance (its last six).
+Matrix12 prior_information(double metres, double radians, const Matrix12& covariance);
+
 }  // namespace scanlock

@@ -23,6 +23,7 @@ constexpr double kLeastShare = 0.3;
 constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history says
 constexpr double kMostAtFirst = 0.7;  // a map of one scan is thin
+constexpr double kUsualShare = 0.8;
 
 }  // namespace
 
@@ -141,6 +142,10 @@ bool explains(const Attempt& attempt, double most_score) {
   return attempt.alignment.moving.pose.matrix().allFinite() && h.score < most_score &&
          h.energy < (h.baseline > 0 ? kMostEnergy : kMostAtFirst) && h.overlap > kLeastOverlap &&
          h.inliers >= static_cast<int>(kLeastPoints);
+}
+
+bool usual_share(const Health& health) {
+  return health.share >= kUsualShare * health.usual_share;
 }
 
 Attempt better(Attempt a, Attempt b) {

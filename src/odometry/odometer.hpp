@@ -18,6 +18,14 @@ namespace scanlock {
 /// Fewer points cannot fix six numbers against outliers.
 inline constexpr std::size_t kLeastPoints = 30;
 
+// Trust in an alignment, by the robust z-score of its energy. That of good ones stays below 5 in streets and
+// rooms; a kidnap gives 10 and more.
+inline constexpr double kJumpScore = 6.0;
+inline constexpr double kCalmScore = 4.0;  ///< hysteresis: what a lost robot must get below
+
+/// A robot that sees nothing is predicted at its last velocity for so long, then as standing.
+inline constexpr double kCoastSeconds = 3.0;
+
 /// How far an alignment looks for its surfaces: far where the prediction may be off.
 enum class Reach : std::int8_t { kNear, kFar };
 
@@ -84,6 +92,9 @@ class Odometer {
 /// Whether an alignment explains its scan: enough overlap, and an energy at most `most_score` above what is
 /// usual.
 bool explains(const Attempt& attempt, double most_score);
+
+/// Whether the share of inliers is about the usual one: less is new ground, or another place.
+bool usual_share(const Health& health);
 
 /// The one that leaves less unexplained.
 Attempt better(Attempt a, Attempt b);

@@ -37,10 +37,6 @@ void PlaceSearch::begin_anew() {
   scans_wanted_ = kFirstScans;
 }
 
-void PlaceSearch::note_scene(double median_range) {
-  if (median_range > 0) scene_ += 0.1 * (median_range - scene_);
-}
-
 std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excursion& excursion,
                                                  const KeyframeArchive& archive, const Eigen::Vector3d& up) {
   if (out_ || archive.empty() || excursion.scans() < scans_wanted_) return std::nullopt;
@@ -54,10 +50,11 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
   // The centre is where a sensor was, so that what it saw through is known to be empty.
   request.target_centre =
       nearest_place(archive, turn < 2 ? anchor_ : others[static_cast<std::size_t>(turn - 2)]);
-  request.radius = kSourceReach * scene_ + kOffset;
-  request.voxel = kVoxel * scene_;
+  const double scene = archive.scene(request.target_centre);
+  request.radius = kSourceReach * scene + kOffset;
+  request.voxel = kVoxel * scene;
   request.places = archive.keyframes();
-  request.source = excursion.submap(kSourceReach * scene_, request.source_centre);
+  request.source = excursion.submap(kSourceReach * scene, request.source_centre);
   request.up = up;
   request.body_up = excursion.state().pose.linear().col(2);
   out_ = true;

@@ -21,9 +21,6 @@ class PlaceSearch {
   /// What it has seen so far is void: the next request waits for more, and the answer to an earlier one is
   /// too late.
   void begin_anew();
-  /// The size of the scene, metres.
-  void note_scene(double median_range);
-  double scene() const { return scene_; }
 
   /// The next request, when enough was seen for it and none is out.
   std::optional<RecoveryRequest> next(std::int64_t utime, const Excursion& excursion,
@@ -36,7 +33,6 @@ class PlaceSearch {
   std::vector<Eigen::Vector3d> other_centres(const KeyframeArchive& archive) const;
 
   Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
-  double scene_ = 10;
   std::int64_t serial_ = 0;
   bool out_ = false, void_ = false;
   int attempts_ = 0;      ///< answered since the robot was lost

@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <utility>
 
+#include "geometry/moved_cloud.hpp"
 #include "global/cloud_registration.hpp"
+#include "global/cpu_clock.hpp"
 
 namespace scanlock {
 namespace {
@@ -16,24 +17,6 @@ constexpr double kTilt = 0.01;            // radians: the last good attitude is 
 constexpr double kStandReach = 20;        // metres
 constexpr double kStandStep = 0.05;       // radians
 constexpr std::size_t kMaxNodes = 20000;  // of a search: some tenths of a second
-
-/// CPU time of this thread, milliseconds.
-double cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-PointCloud turned(PointCloud cloud, const Eigen::Matrix3d& rotation) {
-  const Eigen::Matrix3f r = rotation.cast<float>();
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3f p = r * cloud.point(i);
-    cloud.x[i] = p.x();
-    cloud.y[i] = p.y();
-    cloud.z[i] = p.z();
-  }
-  return cloud;
-}
 
 /// The different ways in which the body stood, on the scans near the target's centre: its z axis in the
 /// target's frame.
@@ -71,9 +54,8 @@ PlaceFinder::PlaceFinder(PlaceFinder&&) noexcept = default;
 PlaceFinder& PlaceFinder::operator=(PlaceFinder&&) noexcept = default;
 
 RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
-  const double begin = cpu_ms();
-  const Eigen::Matrix3d level =
-      Eigen::Quaterniond::FromTwoVectors(request.up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  CpuClock clock;
+  const Eigen::Matrix3d level = level_rotation(request.up);
   DescriptionOptions options;
   options.voxel = request.voxel;
   if (!target_ || !target_->is_of(request)) {
@@ -84,16 +66,16 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
     target.up = request.up;
     target.places = request.places.size();
     if (!request.places.empty()) target.newest = request.places.back().utime;
-    target.description = describe(
-        turned(submap_around(request.places, request.target_centre, request.radius, request.voxel), level),
-        options);
+    target.description =
+        describe(moved(submap_around(request.places, request.target_centre, request.radius, request.voxel),
+                       Pose(level)),
+                 options);
     target_ = std::make_unique<Target>(std::move(target));
   }
   // The source is levelled by its own body: slopes turn the body, and where it stands now is not where it was
   // lost.
-  const Eigen::Matrix3d stand =
-      Eigen::Quaterniond::FromTwoVectors(request.body_up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  const CloudDescription source = describe(turned(request.source, stand), options);
+  const Eigen::Matrix3d stand = level_rotation(request.body_up);
+  const CloudDescription source = describe(moved(request.source, Pose(stand)), options);
 
   CloudRegistrationOptions registration;
   registration.tilt = kTilt;
@@ -126,7 +108,7 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   if (!answer.certified) answer.reason += ", not proven to be the most";
   answer.nodes = static_cast<std::int64_t>(found.solution.nodes);
   answer.search_ms = found.solution.pruning_ms + found.solution.search_ms;
-  answer.total_ms = cpu_ms() - begin;
+  answer.total_ms = clock.lap();
   return answer;
 }
 

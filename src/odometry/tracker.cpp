@@ -8,10 +8,8 @@
 
 #include "geometry/voxel_grid.hpp"
 #include "icp/degeneracy.hpp"
-#include "odometry/contest.hpp"
-#include "odometry/excursion.hpp"
 #include "odometry/odometer.hpp"
-#include "odometry/place_search.hpp"
+#include "odometry/relocation.hpp"
 #include "odometry/scan_preparation.hpp"
 
 namespace scanlock {
@@ -20,29 +18,11 @@ namespace {
 constexpr double kMicro = 1e-6;
 constexpr double kDegree = 3.14159265358979 / 180.0;
 
-// Trust in an alignment. The score of good ones stays below 5 in streets and rooms; a kidnap gives 10 and
-// more.
-constexpr double kJumpScore = 6.0;
-constexpr double kCalmScore = 4.0;      // hysteresis: what a lost tracker must get below
-constexpr std::size_t kMostPlaces = 5;  // tried at once
-constexpr int kPatience = 20;           // scans in which a lost tracker feels around on each,
-constexpr int kSeldom = 5;              // and after that on every fifth
-constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
 constexpr double kNewGroundShare = 0.6, kFitScore = 3.0;
-constexpr double kUsualShare = 0.8;  // of the usual share of inliers: less is new ground, or another place
 constexpr std::size_t kFarPoints = 800;
 constexpr int kQuietScans = 5;   // after that, before the map may grow
 constexpr int kAttitudes = 100;  // that the upward direction is averaged over
 constexpr int kFalseStarts = 3;  // scans that do not fit the first one: it was no good
-constexpr double kCoastSeconds =
-    3.0;  // a robot that sees nothing is predicted at its last velocity for so long, then as standing
-
-/// Where the robot may be, while it is lost: to be confirmed by the scans that follow.
-struct Candidate {
-  Contest contest;
-  std::optional<RecoveryAnswer>
-      answer;  ///< of the global search; none: felt where it must be if nothing happened
-};
 
 PointCloud every_nth(const PointCloud& points, std::size_t n) {
   std::vector<std::uint32_t> indices;
@@ -73,27 +53,17 @@ struct Tracker::State {
   int distrusted_scans = 0;  // in a row
   int quiet_scans_left = 0;
 
-  // While lost:
-  std::optional<Excursion> excursion;
-  double gate_m = 0, gate_rad = 0;  // how far the prediction may be off where the excursion began
-  double energy_before = 1;
-  std::optional<Candidate> candidate;
-  std::vector<Pose> earlier_finds;  // of this excursion, the newest first
-  PlaceSearch search;
+  Relocation relocation;
 
   explicit State(const TrackerConfig& c)
       : config(c),
         scale(c.map_points_per_scan, c.min_voxel_m, c.max_voxel_m),
         odometer(c),
-        archive(static_cast<std::size_t>(c.max_archive_points)) {}
+        archive(static_cast<std::size_t>(c.max_archive_points)),
+        relocation(c) {}
 
   void finished(Stage stage) const {
     if (observer) observer(stage);
-  }
-
-  bool lost() const {
-    return state == TrackingState::kRecovering || state == TrackingState::kAmbiguous ||
-           state == TrackingState::kLost;
   }
 
   // ---- on known ground
@@ -165,8 +135,6 @@ struct Tracker::State {
            looks_around(scan.source);
   }
 
-  static bool usual_share(const Health& health) { return health.share >= kUsualShare * health.usual_share; }
-
   bool trusted(const PreparedScan& scan, const Attempt& attempt) const {
     const bool wary = distrusted_scans > 0 && state != TrackingState::kInitialising;
     return explains(attempt, wary ? kCalmScore : kJumpScore) && plausible(attempt) &&
@@ -185,7 +153,6 @@ struct Tracker::State {
     finished(Stage::kAlign);
     if (trusted(scan, attempt)) {
       believe(utime, scan, attempt);
-      state = TrackingState::kTracking;
       describe(attempt, PoseMethod::kIcp, tracked);
       return;
     }
@@ -195,8 +162,7 @@ struct Tracker::State {
       if (distrusted_scans >= kFalseStarts) start(utime, scan);
       return;
     }
-    energy_before = attempt.health.energy;
-    begin_or_follow(utime, dt, scan);
+    relocation.distrust(utime, dt, scan, odometer, attempt.health.energy);
   }
 
   void believe(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) {
@@ -204,8 +170,8 @@ struct Tracker::State {
     distrusted_scans = 0;
     last_trusted_pose = odometer.state().pose;
     last_trusted_utime = utime;
-    excursion.reset();
-    search.begin_anew();
+    state = TrackingState::kTracking;
+    relocation.end();
     if (quiet_scans_left > 0) {
       --quiet_scans_left;
       return;
@@ -222,156 +188,30 @@ struct Tracker::State {
       coasting.mean.twist.setZero();
     odometer.coast(coasting);
     ++distrusted_scans;
-    if (state == TrackingState::kInitialising || lost()) return;
+    if (state == TrackingState::kInitialising || relocation.lost()) return;
     state = TrackingState::kDegraded;
     if (distrusted_scans > 1) lose();
   }
 
   // ---- lost
 
-  void lose() {
-    state = archive.empty() ? TrackingState::kLost : TrackingState::kRecovering;
-    search.begin(odometer.state().pose.translation());
-  }
-
-  /// Where the excursion begins anew the gate widens by what may have happened unseen.
-  void begin_or_follow(std::int64_t utime, double dt, const PreparedScan& scan) {
-    if (excursion && excursion->follow(utime, dt, scan)) return;
-    if (excursion && candidate) refuse("the scans that followed do not fit each other: ");
-    search.begin_anew();
-    earlier_finds.clear();
-    const auto& covariance = odometer.covariance();
-    gate_m = 0.5 + 3.0 * std::sqrt(covariance.diagonal().head<3>().maxCoeff());
-    gate_rad = 3.0 * kDegree + 3.0 * std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
-    if (!excursion) excursion.emplace(config, utime, scan, odometer.state());
-  }
-
-  /// The state follows the excursion: where the robot would be, had it not been lost.
-  /// It knows its way, so that the prediction does not get worse.
-  void follow_excursion() {
-    MotionPrior prior = odometer.predict(0);
-    prior.mean = excursion->state();
-    odometer.coast(prior);
-  }
-
   void track_lost(std::int64_t utime, double dt, const PreparedScan& scan, TrackedScan* tracked) {
-    if (!excursion) coast(utime, odometer.predict(dt));
-    begin_or_follow(utime, dt, scan);
-    ++distrusted_scans;
+    if (!relocation.has_excursion()) coast(utime, odometer.predict(dt));
     Attempt attempt;
-    const bool back = candidate ? confirm(scan, &attempt) : feel(scan, &attempt);
+    const Relocation::Outcome outcome = relocation.follow(utime, dt, scan, odometer, &attempt);
     finished(Stage::kAlign);
-    if (back) {
-      come_back(utime, scan, attempt, tracked);
+    if (outcome == Relocation::Outcome::kLost) {
+      describe(attempt, PoseMethod::kPredicted, tracked);
       return;
     }
-    follow_excursion();
-    describe(attempt, PoseMethod::kPredicted, tracked);
-    if (state == TrackingState::kRecovering && archive.empty()) state = TrackingState::kLost;
-  }
-
-  /// Tries where the robot must be if it was only blinded: at the prediction or where it was last seen, in
-  /// turn. What it finds farther off is left to the certificate.
-  bool feel(const PreparedScan& scan, Attempt* attempt) {
-    const bool seldom = distrusted_scans > kPatience && distrusted_scans % kSeldom != 0;
-    if (odometer.empty() || seldom) return false;
-    const bool standing = distrusted_scans % 2 == 0;
-    const MovingPose& predicted = excursion->state();
-    MotionPrior prior;
-    prior.mean = predicted;
-    if (standing) prior.mean.pose = last_trusted_pose;
-    prior.information = prior_information(gate_m, gate_rad, excursion->covariance());
-    *attempt = odometer.align(scan, prior, gate_m < kFarGate ? Reach::kNear : Reach::kFar);
-    const Pose& found = attempt->alignment.moving.pose;
-    const double share = usual_share(attempt->health) ? 1.0 : 0.4;  // of the gate
-    const bool there = standing ? near(found, last_trusted_pose, share * 0.5, share * 5.0 * kDegree)
-                                : near(found, predicted.pose, share * gate_m, share * gate_rad);
-    if (!there || !explains(*attempt, kCalmScore)) return false;
-    candidate = Candidate{Contest({renormalised(found * predicted.pose.inverse())}, 1), std::nullopt};
-    return false;
-  }
-
-  /// Whether one of the places is believed with this scan.
-  bool confirm(const PreparedScan& scan, Attempt* attempt) {
-    const Contest::Outcome outcome =
-        candidate->contest.judge(odometer, scan, excursion->state(), excursion->covariance());
-    *attempt = candidate->contest.attempt();
-    if (outcome == Contest::Outcome::kRefuted) refuse("the scans that followed do not fit: ");
-    if (outcome == Contest::Outcome::kUndecided) {
-      if (candidate->answer) state = TrackingState::kAmbiguous;
-      refuse("the scans that followed fit several places alike: ");
-    }
-    return outcome == Contest::Outcome::kWon;
-  }
-
-  void refuse(const std::string& why) {
-    if (candidate->answer) {
-      Recovery recovery = recovery_of(*candidate->answer);
-      recovery.reason = why + candidate->answer->reason;
-      recovery.energy_after = candidate->contest.attempt().health.energy;
-      ended = recovery;
-    }
-    candidate.reset();
-  }
-
-  void come_back(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt, TrackedScan* tracked) {
-    PoseMethod method = PoseMethod::kIcp;
-    if (candidate->answer) {
-      method = PoseMethod::kGlobal;
-      ++epoch;
-      Recovery recovery = recovery_of(*candidate->answer);
-      recovery.accepted = true;
-      recovery.reason = candidate->answer->reason;
-      recovery.map_from_predicted = candidate->contest.map_from_predicted();
-      recovery.energy_after = attempt.health.energy;
-      ended = recovery;
-    }
-    candidate.reset();
+    const bool jumped = outcome == Relocation::Outcome::kFound;
+    if (jumped) ++epoch;
     quiet_scans_left = kQuietScans;
     believe(utime, scan, attempt);
-    state = TrackingState::kTracking;
-    describe(attempt, method, tracked);
+    describe(attempt, jumped ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
   }
 
-  Recovery recovery_of(const RecoveryAnswer& answer) const {
-    Recovery recovery;
-    recovery.search = answer;
-    recovery.map_from_predicted = answer.map_from_predicted;
-    recovery.energy_before = energy_before;
-    return recovery;
-  }
-
-  void take(RecoveryAnswer answer) {
-    if (!search.take(answer.serial) || !lost() || !excursion) return;
-    if (answer.verdict == PlaceVerdict::kFound) {
-      const Pose place = renormalised(answer.map_from_predicted * excursion->state().pose);
-      if (!odometer_covers(place))
-        odometer.reload(archive.keyframes(), place.translation(), scale.current(0));
-      state = TrackingState::kRecovering;
-      // Earlier finds are rivals too: what a few matches more or less decide is not decided.
-      std::vector<Pose> places = {answer.map_from_predicted};
-      for (const std::vector<Pose>& others : {answer.rivals, earlier_finds})
-        places.insert(places.end(), others.begin(), others.end());
-      places.resize(std::min(places.size(), kMostPlaces));
-      earlier_finds.insert(earlier_finds.begin(), answer.map_from_predicted);
-      candidate = Candidate{Contest(places), std::move(answer)};
-      return;
-    }
-    if (state != TrackingState::kAmbiguous && search.looked_everywhere()) state = TrackingState::kLost;
-    Recovery recovery = recovery_of(answer);
-    recovery.reason = answer.reason;
-    ended = recovery;
-  }
-
-  /// Whether the map at hand is one of that place.
-  bool odometer_covers(const Pose& place) const {
-    const auto& keyframes = odometer.map().keyframes();
-    return std::any_of(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) {
-      return (k.map_from_body.translation() - place.translation()).norm() < 0.3 * search.scene();
-    });
-  }
-
-  std::optional<Recovery> ended;  // since the last scan
+  void lose() { relocation.begin(odometer, last_trusted_pose, archive); }
 
   // ---- reporting
 
@@ -390,9 +230,11 @@ struct Tracker::State {
       tracked->degenerate_axes = find_degeneracy(attempt.alignment.information.topLeftCorner<6, 6>()).axes;
   }
 
+  TrackingState reported_state() const { return relocation.lost() ? relocation.state() : state; }
+
   void report(TrackedScan* tracked) {
-    tracked->state = state;
-    if (tracked->degenerate_axes != 0 && state == TrackingState::kTracking)
+    tracked->state = reported_state();
+    if (tracked->degenerate_axes != 0 && tracked->state == TrackingState::kTracking)
       tracked->state = TrackingState::kDegraded;
     tracked->epoch = epoch;
     tracked->map_from_body = odometer.state().pose;
@@ -400,10 +242,10 @@ struct Tracker::State {
     tracked->covariance = odometer.covariance().topLeftCorner<6, 6>();
     tracked->keyframes = static_cast<int>(odometer.map().keyframes().size());
     tracked->map_points = static_cast<int>(odometer.map().size());
-    if (ended) {
-      ended->epoch = epoch;
-      ended->map_from_body = odometer.state().pose;
-      tracked->recovery = std::exchange(ended, std::nullopt);
+    tracked->recovery = relocation.take_ended();
+    if (tracked->recovery) {
+      tracked->recovery->epoch = epoch;
+      tracked->recovery->map_from_body = odometer.state().pose;
     }
   }
 };
@@ -420,7 +262,7 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
   double dt = state_->begun ? static_cast<double>(scan.utime - state_->last_utime) * kMicro : 0.0;
   if (state_->begun && dt <= 0 && dt >= -state_->config.restart_after_s) {
     tracked.verdict = dt == 0 ? ScanVerdict::kDuplicateTime : ScanVerdict::kBackwardTime;
-    tracked.state = state_->state;
+    tracked.state = state_->reported_state();
     return tracked;
   }
   if (dt < 0) {  // a log that loops: another drive begins
@@ -439,38 +281,39 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
   if (!seen && !s.begun) return tracked;
 
   if (!s.begun) {
-    if (s.lost()) {
-      s.begin_or_follow(scan.utime, 0, prepared);
+    if (s.relocation.lost()) {
+      s.relocation.distrust(scan.utime, 0, prepared, s.odometer, 1);
     } else {
       s.start(scan.utime, prepared);
     }
     s.begun = true;
   } else if (!seen) {
-    if (s.excursion) s.excursion->coast(dt);
-    s.coast(scan.utime, s.predict(dt, hints));
+    if (s.relocation.has_excursion()) {
+      s.relocation.coast(dt, s.odometer);
+    } else {
+      s.coast(scan.utime, s.predict(dt, hints));
+    }
     tracked.method = PoseMethod::kPredicted;
     tracked.stop_reason = StopReason::kTooFewPoints;
-  } else if (s.lost()) {
+  } else if (s.relocation.lost()) {
     s.track_lost(scan.utime, dt, prepared, &tracked);
   } else {
     s.track_on(scan.utime, prepared, dt, hints, &tracked);
   }
   if (tracked.method == PoseMethod::kIcp) s.note_attitude(hints);
   s.last_utime = scan.utime;
-  s.search.note_scene(prepared.median_range);
   s.report(&tracked);
   s.finished(Stage::kMap);
   return tracked;
 }
 
 std::optional<RecoveryRequest> Tracker::take_request() {
-  State& s = *state_;
-  if (!s.lost() || !s.excursion || s.candidate) return std::nullopt;
-  return s.search.next(s.last_utime, *s.excursion, s.archive, s.up);
+  return state_->relocation.take_request(state_->last_utime, state_->archive, state_->up);
 }
 
 void Tracker::give(RecoveryAnswer answer) {
-  state_->take(std::move(answer));
+  State& s = *state_;
+  s.relocation.give(std::move(answer), s.archive, s.scale.current(0), s.odometer);
 }
 
 void Tracker::set_stage_observer(std::function<void(Stage)> observer) {
@@ -487,19 +330,17 @@ void Tracker::reset() {
 void Tracker::set_pose(const Pose& map_from_body) {
   State& s = *state_;
   ++s.epoch;
-  s.candidate.reset();
-  s.excursion.reset();
-  s.search.begin_anew();
+  s.relocation.end();
   s.odometer.set_pose(map_from_body);
   s.start_pose = s.last_trusted_pose = map_from_body;
   s.begun = false;
-  if (s.archive.wants(map_from_body.translation(), 6.0 * s.search.scene())) {  // unknown ground: a new start
+  if (!s.archive.knows(map_from_body.translation())) {  // a new start
     s.state = TrackingState::kInitialising;
     return;
   }
   s.odometer.reload(s.archive.keyframes(), map_from_body.translation(), s.scale.current(0));
   s.lose();
-  s.candidate = Candidate{Contest({Pose::Identity()}), std::nullopt};
+  s.relocation.propose_here();
 }
 
 SavedMap Tracker::save() const {
@@ -514,7 +355,7 @@ void Tracker::load(SavedMap saved) {
   if (s.archive.empty()) return;
   s.start_pose = s.last_trusted_pose = saved.last_pose;
   s.odometer.set_pose(saved.last_pose);
-  s.lose();
+  s.relocation.begin(s.odometer, std::nullopt, s.archive);
 }
 
 PointCloud Tracker::map() const {

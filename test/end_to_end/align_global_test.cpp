@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "../global/scenes.hpp"
+#include "align_samples.hpp"
 #include "io/cloud_file.hpp"
 #include "io/trajectory.hpp"
-#include "process.hpp"
 
 using namespace scanlock;
 using namespace scanlock::test;
@@ -26,20 +26,9 @@ struct Yards {
     write_cloud(source, moved(yard(1, 21), pose.inverse()));
     write_cloud(target, yard(1, 20));
     write_cloud(elsewhere, yard(6, 20));
-    std::string text;
-    for (int row = 0; row < 4; ++row) {
-      for (int column = 0; column < 4; ++column) text += std::to_string(pose.matrix()(row, column)) + " ";
-      text += "\n";
-    }
-    write_file(truth, text);
+    write_transform(truth, pose);
   }
 };
-
-double number(const std::string& json, const std::string& key) {
-  const std::size_t at = json.find("\"" + key + "\":");
-  REQUIRE(at != std::string::npos);
-  return std::stod(json.substr(at + key.size() + 3));
-}
 
 bool says(const std::string& json, const std::string& what) {
   return json.find(what) != std::string::npos;

@@ -6,10 +6,10 @@
 #include <random>
 #include <string>
 
+#include "align_samples.hpp"
 #include "geometry/rigid.hpp"
 #include "io/cloud_file.hpp"
 #include "io/trajectory.hpp"
-#include "process.hpp"
 
 using namespace scanlock;
 using namespace scanlock::test;
@@ -44,20 +44,9 @@ struct Files {
       moved.push_back(Eigen::Vector3f((pose.inverse() * cloud.point(i).cast<double>()).cast<float>()));
     write_cloud(source, moved);
     write_cloud(target, corner(1));
-    std::string text;
-    for (int row = 0; row < 4; ++row) {
-      for (int column = 0; column < 4; ++column) text += std::to_string(pose.matrix()(row, column)) + " ";
-      text += "\n";
-    }
-    write_file(truth, text);
+    write_transform(truth, pose);
   }
 };
-
-double number(const std::string& json, const std::string& key) {
-  const std::size_t at = json.find("\"" + key + "\":");
-  REQUIRE(at != std::string::npos);
-  return std::stod(json.substr(at + key.size() + 3));
-}
 
 }  // namespace
 

@@ -9,10 +9,10 @@
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "geometry/angles.hpp"
+
 namespace scanlock {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Vector6 random_twist(std::mt19937& rng, double angle) {
   std::normal_distribution<double> normal;
@@ -54,7 +54,7 @@ TEST_CASE("logarithm of SE3 inverts the exponential to 1e-12 from 0 to pi") {
 
 TEST_CASE("logarithm does not lose the small rotations between two scans") {
   for (double degrees : {0.01, 0.05, 0.08, 0.0802, 0.1, 0.2}) {
-    const double angle = degrees * kPi / 180.0;
+    const double angle = degrees * kDegree;
     const Eigen::Vector3d phi =
         so3_log(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix());
     CHECK(phi.z() == doctest::Approx(angle).epsilon(1e-12));

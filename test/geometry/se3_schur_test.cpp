@@ -9,14 +9,13 @@
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "geometry/angles.hpp"
 #include "geometry/rigid.hpp"
 
 namespace {
 
 using namespace scanlock;
 using Eigen::MatrixXd;
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Appendix A. Equation 32 is printed with B_i; it holds for the generator B_i / theta_i.
 MatrixXd schur_log(const MatrixXd& t) {
@@ -88,7 +87,7 @@ TEST_CASE("the closed form agrees with the Schur form from the smallest angles t
 TEST_CASE("small rotations are not lost") {
   for (const double degrees : {1e-7, 1e-4, 0.01, 0.05, 0.08}) {
     Vector6 xi;
-    xi << 1, -2, 0.5, 0, 0, degrees * kPi / 180.0;
+    xi << 1, -2, 0.5, 0, 0, degrees * kDegree;
     CHECK((se3_log(se3_exp(xi)) - xi).norm() < 1e-14);
   }
 }

@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include "global/matches.hpp"
+#include "geometry/match.hpp"
 
 namespace scanlock {
 

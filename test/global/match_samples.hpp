@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-#include "global/matches.hpp"
+#include "geometry/match.hpp"
 
 namespace scanlock {
 

@@ -5,8 +5,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
-#include "geometry/point_cloud.hpp"
-#include "geometry/rigid.hpp"
+#include "geometry/moved_cloud.hpp"
 
 namespace scanlock {
 
@@ -34,13 +33,6 @@ inline PointCloud yard(unsigned seed, unsigned sampling) {
     }
   }
   return cloud;
-}
-
-inline PointCloud moved(const PointCloud& cloud, const Pose& pose) {
-  PointCloud result;
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    result.push_back(Eigen::Vector3f((pose * cloud.point(i).cast<double>()).cast<float>()));
-  return result;
 }
 
 inline Pose level_pose(double yaw, double x, double y, double z) {

@@ -8,14 +8,13 @@
 #include <string>
 
 #include "cloud_samples.hpp"
+#include "geometry/angles.hpp"
 #include "icp/welsch.hpp"
 
 using namespace scanlock;
 using namespace scanlock::test;
 
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 CloudTarget ready(const PointCloud& cloud) {
   CloudTarget target(cloud);
@@ -204,7 +203,7 @@ PointCloud rings(const Eigen::Vector3d& eye) {
   for (int beam = 0; beam < 24; ++beam) {
     const double elevation = -0.4 + 0.02 * beam;
     for (int step = 0; step < 360; ++step) {
-      const double azimuth = step * 3.14159265358979 / 180;
+      const double azimuth = step * kDegree;
       const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
                                 std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
       double range = ray.z() < 0 ? (-1.8 - eye.z()) / ray.z() : 1e9;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <random>
 
+#include "geometry/moved_cloud.hpp"
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 
@@ -41,19 +42,6 @@ inline PointCloud room(Random& random, std::size_t n, double noise = 0) {
     cloud.nz.push_back(static_cast<float>(normal.z()));
   }
   return cloud;
-}
-
-inline PointCloud moved(const PointCloud& cloud, const Pose& pose) {
-  PointCloud result;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    result.push_back(Eigen::Vector3f((pose * cloud.point(i).cast<double>()).cast<float>()));
-    if (!cloud.has_normals()) continue;
-    const Eigen::Vector3f n = (pose.linear() * cloud.normal(i).cast<double>()).cast<float>();
-    result.nx.push_back(n.x());
-    result.ny.push_back(n.y());
-    result.nz.push_back(n.z());
-  }
-  return result;
 }
 
 inline Pose motion(const Eigen::Vector3d& translation, const Eigen::Vector3d& rotation) {

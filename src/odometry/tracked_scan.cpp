@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "odometry/tracker.hpp"
+#include "odometry/tracked_scan.hpp"
 
 namespace scanlock {
 

@@ -1,0 +1,182 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/relocation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace scanlock {
+namespace {
+
+constexpr double kDegree = 3.14159265358979 / 180.0;
+constexpr std::size_t kMostPlaces = 5;  // tried at once
+constexpr int kPatience = 20;           // scans in which a lost robot feels around on each,
+constexpr int kSeldom = 5;              // and after that on every fifth
+constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
+constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
+
+/// Whether the map at hand is one of that place.
+bool covers(const Odometer& odometer, const Pose& place, double scene) {
+  const auto& keyframes = odometer.map().keyframes();
+  return std::any_of(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) {
+    return (k.map_from_body.translation() - place.translation()).norm() < kCovered * scene;
+  });
+}
+
+}  // namespace
+
+void Relocation::distrust(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer,
+                          double energy) {
+  energy_before_ = energy;
+  depart_or_follow(utime, dt, scan, odometer);
+}
+
+void Relocation::begin(const Odometer& odometer, const std::optional<Pose>& last_seen,
+                       const KeyframeArchive& archive) {
+  lost_ = true;
+  scans_ = 0;
+  state_ = archive.empty() ? TrackingState::kLost : TrackingState::kRecovering;
+  last_seen_ = last_seen;
+  search_.begin(odometer.state().pose.translation());
+}
+
+void Relocation::end() {
+  lost_ = false;
+  excursion_.reset();
+  candidate_.reset();
+  search_.begin_anew();
+}
+
+Relocation::Outcome Relocation::follow(std::int64_t utime, double dt, const PreparedScan& scan,
+                                       Odometer& odometer, Attempt* attempt) {
+  ++scans_;
+  depart_or_follow(utime, dt, scan, odometer);
+  Outcome outcome = Outcome::kLost;
+  if (candidate_) {
+    outcome = confirm(scan, odometer, attempt);
+  } else {
+    feel(scan, odometer, attempt);
+  }
+  if (outcome == Outcome::kLost) follow_excursion(odometer);
+  return outcome;
+}
+
+void Relocation::coast(double dt, Odometer& odometer) {
+  excursion_->coast(dt);
+  follow_excursion(odometer);
+}
+
+/// Where the excursion begins anew the gate widens by what may have happened unseen.
+void Relocation::depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan,
+                                  const Odometer& odometer) {
+  if (excursion_ && excursion_->follow(utime, dt, scan)) return;
+  if (excursion_ && candidate_) refuse("the scans that followed do not fit each other: ");
+  search_.begin_anew();
+  earlier_finds_.clear();
+  const Matrix12& covariance = odometer.covariance();
+  gate_m_ = 0.5 + 3.0 * std::sqrt(covariance.diagonal().head<3>().maxCoeff());
+  gate_rad_ = 3.0 * kDegree + 3.0 * std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
+  if (!excursion_) excursion_.emplace(config_, utime, scan, odometer.state());
+}
+
+/// The state is where the robot would be, had it not been lost. It knows its way, so that the prediction does
+/// not get worse.
+void Relocation::follow_excursion(Odometer& odometer) const {
+  MotionPrior prior = odometer.predict(0);
+  prior.mean = excursion_->state();
+  odometer.coast(prior);
+}
+
+/// Tries where the robot must be if it was only blinded: at the prediction or where it was last seen, in
+/// turn. What it finds farther off is left to the certificate.
+void Relocation::feel(const PreparedScan& scan, Odometer& odometer, Attempt* attempt) {
+  const bool seldom = scans_ > kPatience && scans_ % kSeldom != 0;
+  if (!last_seen_ || odometer.empty() || seldom) return;
+  const bool standing = scans_ % 2 == 0;
+  const MovingPose& predicted = excursion_->state();
+  MotionPrior prior;
+  prior.mean = predicted;
+  if (standing) prior.mean.pose = *last_seen_;
+  prior.information = prior_information(gate_m_, gate_rad_, excursion_->covariance());
+  *attempt = odometer.align(scan, prior, gate_m_ < kFarGate ? Reach::kNear : Reach::kFar);
+  const Pose& found = attempt->alignment.moving.pose;
+  const double share = usual_share(attempt->health) ? 1.0 : 0.4;  // of the gate
+  const bool there = standing ? near(found, *last_seen_, share * 0.5, share * 5.0 * kDegree)
+                              : near(found, predicted.pose, share * gate_m_, share * gate_rad_);
+  if (there && explains(*attempt, kCalmScore))
+    candidate_ = Candidate{Contest({renormalised(found * predicted.pose.inverse())}, 1), std::nullopt};
+}
+
+/// Whether one of the places is believed with this scan.
+Relocation::Outcome Relocation::confirm(const PreparedScan& scan, Odometer& odometer, Attempt* attempt) {
+  const Contest::Outcome outcome = candidate_->contest.judge(odometer, scan, *excursion_);
+  *attempt = candidate_->contest.attempt();
+  if (outcome == Contest::Outcome::kRefuted) refuse("the scans that followed do not fit: ");
+  if (outcome == Contest::Outcome::kUndecided) {
+    if (candidate_->answer) state_ = TrackingState::kAmbiguous;
+    refuse("the scans that followed fit several places alike: ");
+  }
+  if (outcome != Contest::Outcome::kWon) return Outcome::kLost;
+  const bool searched = candidate_->answer.has_value();
+  if (searched) {
+    ended_ = recovery_of(*candidate_->answer);
+    ended_->accepted = true;
+    ended_->map_from_predicted = candidate_->contest.map_from_predicted();
+    ended_->energy_after = attempt->health.energy;
+  }
+  candidate_.reset();
+  return searched ? Outcome::kFound : Outcome::kFelt;
+}
+
+void Relocation::refuse(const std::string& why) {
+  if (candidate_->answer) {
+    ended_ = recovery_of(*candidate_->answer);
+    ended_->reason.insert(0, why);
+    ended_->energy_after = candidate_->contest.attempt().health.energy;
+  }
+  candidate_.reset();
+}
+
+Recovery Relocation::recovery_of(const RecoveryAnswer& answer) const {
+  Recovery recovery;
+  recovery.search = answer;
+  recovery.map_from_predicted = answer.map_from_predicted;
+  recovery.energy_before = energy_before_;
+  recovery.reason = answer.reason;
+  return recovery;
+}
+
+std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, const KeyframeArchive& archive,
+                                                        const Eigen::Vector3d& up) {
+  if (!lost_ || !excursion_ || candidate_) return std::nullopt;
+  return search_.next(utime, *excursion_, archive, up);
+}
+
+void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
+                      Odometer& odometer) {
+  if (!search_.take(answer.serial) || !lost_ || !excursion_) return;
+  if (answer.verdict == PlaceVerdict::kFound) {
+    const Pose place = renormalised(answer.map_from_predicted * excursion_->state().pose);
+    if (!covers(odometer, place, archive.scene(place.translation())))
+      odometer.reload(archive.keyframes(), place.translation(), voxel);
+    state_ = TrackingState::kRecovering;
+    // Earlier finds are rivals too: what a few matches more or less decide is not decided.
+    std::vector<Pose> places = {answer.map_from_predicted};
+    for (const std::vector<Pose>& others : {answer.rivals, earlier_finds_})
+      places.insert(places.end(), others.begin(), others.end());
+    places.resize(std::min(places.size(), kMostPlaces));
+    earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);
+    earlier_finds_.resize(std::min(earlier_finds_.size(), kMostPlaces));
+    candidate_ = Candidate{Contest(places), std::move(answer)};
+    return;
+  }
+  if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
+  ended_ = recovery_of(answer);
+}
+
+void Relocation::propose_here() {
+  candidate_ = Candidate{Contest({Pose::Identity()}), std::nullopt};
+}
+
+}  // namespace scanlock

@@ -1,0 +1,91 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "odometry/contest.hpp"
+#include "odometry/excursion.hpp"
+#include "odometry/keyframe_archive.hpp"
+#include "odometry/odometer.hpp"
+#include "odometry/place_search.hpp"
+#include "odometry/tracked_scan.hpp"
+
+namespace scanlock {
+
+/// What a tracker does whose map does not explain what it sees: it goes on by an excursion from the first
+/// scan that it distrusts, tries where it must be if it was only blinded, asks for searches of its place,
+/// and believes a place only after the scans that follow have decided between all that come into question.
+/// The odometer is the tracker's: its map stays as it is, its state follows the excursion.
+class Relocation {
+ public:
+  enum class Outcome : std::int8_t {
+    kLost,
+    kFelt,   ///< where it was predicted, last seen, or said to be
+    kFound,  ///< in a place that a search proposed
+  };
+
+  explicit Relocation(const TrackerConfig& config) : config_(config) {}
+
+  /// A scan that the map does not explain, and how much of it is left unexplained (0 to 1).
+  void distrust(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer,
+                double energy);
+  /// Lost at the odometer's state, after it was `last_seen`; nobody knows where, in a map that was loaded.
+  void begin(const Odometer& odometer, const std::optional<Pose>& last_seen, const KeyframeArchive& archive);
+  /// The scans are explained again, or there is another map: what was seen since is of no use any more.
+  void end();
+
+  /// One scan of a lost robot, `dt` seconds after the last. `attempt`: the one that the outcome rests on.
+  /// Where none is followed yet the odometer's state is the prediction for this scan.
+  Outcome follow(std::int64_t utime, double dt, const PreparedScan& scan, Odometer& odometer,
+                 Attempt* attempt);
+  /// The same for a scan without points; only while an excursion is followed.
+  void coast(double dt, Odometer& odometer);
+
+  /// The next search, when there is reason for one and none is out.
+  std::optional<RecoveryRequest> take_request(std::int64_t utime, const KeyframeArchive& archive,
+                                              const Eigen::Vector3d& up);
+  /// `voxel` metres: of the map, where another part of it is loaded.
+  void give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel, Odometer& odometer);
+  /// Somebody says that the odometer's state is right: to be tried on the scans that follow.
+  void propose_here();
+
+  bool lost() const { return lost_; }
+  bool has_excursion() const { return excursion_.has_value(); }
+  /// kRecovering, kAmbiguous or kLost.
+  TrackingState state() const { return state_; }
+  /// An attempt that came to its end since the last call.
+  std::optional<Recovery> take_ended() { return std::exchange(ended_, std::nullopt); }
+
+ private:
+  /// Where the robot may be: to be confirmed by the scans that follow.
+  struct Candidate {
+    Contest contest;
+    std::optional<RecoveryAnswer> answer;  ///< of the search; none: felt, or said
+  };
+  void depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer);
+  void feel(const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
+  Outcome confirm(const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
+  void refuse(const std::string& why);
+  void follow_excursion(Odometer& odometer) const;
+  Recovery recovery_of(const RecoveryAnswer& answer) const;
+
+  TrackerConfig config_;
+  bool lost_ = false;
+  TrackingState state_ = TrackingState::kRecovering;
+  std::optional<Pose> last_seen_;
+  int scans_ = 0;  ///< since it was lost
+  std::optional<Excursion> excursion_;
+  double gate_m_ = 0, gate_rad_ = 0;  ///< how far the prediction may be off where the excursion began
+  double energy_before_ = 1;
+  std::optional<Candidate> candidate_;
+  std::vector<Pose> earlier_finds_;  ///< of this excursion, the newest first
+  PlaceSearch search_;
+  std::optional<Recovery> ended_;
+};
+
+}  // namespace scanlock

@@ -1,0 +1,86 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "geometry/rigid.hpp"
+#include "odometry/recovery.hpp"
+
+namespace scanlock {
+
+/// What a pose is worth. The numbers are part of the message contract.
+enum class TrackingState : std::int8_t {
+  kInitialising = 0,  ///< no map yet
+  kTracking = 1,      ///< aligned with the map
+  kDegraded = 2,    ///< aligned, but an axis is unobservable or data is missing; `degenerate_axes` says which
+  kRecovering = 3,  ///< the energy jumped: a global search runs, the pose is predicted
+  kAmbiguous = 4,   ///< two places explain the scan equally well; no jump was made
+  kLost = 5,        ///< no certified place; the pose is predicted, the map is frozen
+};
+const char* to_string(TrackingState state);
+
+/// How the pose of a scan came about.
+enum class PoseMethod : std::int8_t { kNone = 0, kIcp = 1, kGlobal = 2, kPredicted = 3 };
+const char* to_string(PoseMethod method);
+
+/// Why the alignment of a scan ended.
+enum class StopReason : std::int8_t {
+  kNone = 0,
+  kConverged = 1,
+  kIterations = 2,
+  kTooFewPoints = 3,
+  kDiverged = 4
+};
+const char* to_string(StopReason reason);
+
+/// What became of a scan. After one with a bad time the tracker is as before; after an empty one the pose is
+/// predicted.
+enum class ScanVerdict : std::int8_t {
+  kTracked = 0,
+  kEmpty = 1,          ///< too few finite points within the range limits
+  kDuplicateTime = 2,  ///< same utime as the scan before
+  kBackwardTime = 3,   ///< earlier than the scan before, by less than `restart_after_s`
+};
+const char* to_string(ScanVerdict verdict);
+
+/// The end of one attempt to come back, and what it was decided by.
+struct Recovery {
+  RecoveryAnswer search;
+  bool accepted = false;
+  std::string reason;                          ///< why, in words
+  std::uint32_t epoch = 0;                     ///< that an acceptance begins
+  Pose map_from_body = Pose::Identity();       ///< at the scan it is reported with
+  Pose map_from_predicted = Pose::Identity();  ///< what was found to be wrong with the poses before
+  double energy_before = 1;                    ///< of the scan that was lost, 0 to 1
+  double energy_after = 1;                     ///< at the place found, after refinement
+};
+
+/// What one scan led to. Frames: `map` is where the first scan stood; `body` is the sensor at the stamp.
+struct TrackedScan {
+  std::int64_t utime = 0;
+  ScanVerdict verdict = ScanVerdict::kTracked;
+  TrackingState state = TrackingState::kInitialising;
+  PoseMethod method = PoseMethod::kNone;
+  StopReason stop_reason = StopReason::kNone;
+  Pose map_from_body = Pose::Identity();  ///< holds at exactly `utime`
+  Vector6 twist = Vector6::Zero();        ///< body velocity [m/s; rad/s], in the body frame
+  Matrix6 covariance =
+      Matrix6::Zero();  ///< of the pose, right perturbation: T exp(xi), order [u; phi], in the body frame
+  std::uint32_t degenerate_axes = 0;  ///< bit 0..2: x y z translation, 3..5: rotation about x y z (body axes)
+  std::uint32_t epoch = 0;            ///< counts the jumps of the map frame
+  int iterations = 0;                 ///< of the alignment
+  int points_in = 0;                  ///< points of the scan as it came
+  int points_used = 0;                ///< source points of the alignment
+  int inliers = 0;                    ///< of those, the ones that found their surface
+  double energy = 0;                  ///< mean Welsch energy per source point at a fixed scale, 0 to 1
+  double energy_baseline = 0;         ///< its recent median
+  double energy_score = 0;            ///< robust z-score of the energy against its history
+  int keyframes = 0;
+  int map_points = 0;
+  std::optional<Recovery> recovery;  ///< one came to its end with this scan
+};
+
+}  // namespace scanlock
