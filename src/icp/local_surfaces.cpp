@@ -15,6 +15,7 @@ constexpr double kUpright = 0.8;  // cosine of 37 degrees
 // Standard deviations of the neighbours about their line, metres:
 constexpr double kThread = 0.03;  // so thin is only the line of a scan pattern
 constexpr double kThin = 0.05;
+constexpr float kGrazing = 0.1f;  // sine of the angle of incidence below which a plane is doubted
 
 /// Whether few of the points at the height of a line's own are beside it.
 bool stands_alone(const PointCloud& cloud, const Surface& line, const Neighbour* own, int count,
@@ -36,6 +37,13 @@ bool stands_alone(const PointCloud& cloud, const Surface& line, const Neighbour*
     if ((off(around[k]) - along * line.normal).norm() > 1.5f * width) ++beside;
   }
   return beside * 5 <= level;
+}
+
+/// Clutter that a single scan line crosses is flat, but the plane is the one that the sensor swept: seen from
+/// it, edge-on.
+float edge_on_weight(const Surface& plane, const Eigen::Vector3f& eye) {
+  const float cosine = plane.normal.dot((plane.centre - eye).normalized());
+  return std::min(1.0f, cosine * cosine / (kGrazing * kGrazing));
 }
 
 }  // namespace
@@ -74,9 +82,11 @@ Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int co
   return surface;
 }
 
-void LocalSurfaces::reset(const PointCloud& cloud, const KdForest& tree, float radius) {
+void LocalSurfaces::reset(const PointCloud& cloud, const KdForest& tree, float radius,
+                          const std::vector<Eigen::Vector3f>* eyes) {
   cloud_ = &cloud;
   tree_ = &tree;
+  eyes_ = eyes;
   radius_ = radius;
   surfaces_.assign(cloud.size(), Surface{});
   fitted_.assign(cloud.size(), 0);
@@ -107,6 +117,7 @@ void LocalSurfaces::prepare(const std::vector<std::int32_t>& indices, int thread
         if (!stands_alone(*cloud_, surface, neighbours, count, more, wide))
           surface = fit_surface(*cloud_, neighbours, count);
       }
+      if (eyes_ && !surface.line) surface.weight *= edge_on_weight(surface, (*eyes_)[at]);
       surfaces_[at] = surface;
     }
   });

@@ -29,9 +29,10 @@ void LocalMap::clear() {
   keyframes_.clear();
   cloud_ = {};
   owner_.clear();
+  eyes_.clear();
   taken_.clear();
   tree_.rebuild(cloud_);
-  surfaces_.reset(cloud_, tree_, 1.0f);
+  surfaces_.reset(cloud_, tree_, 1.0f, &eyes_);
 }
 
 void LocalMap::insert(Keyframe keyframe, double voxel) {
@@ -47,7 +48,7 @@ void LocalMap::insert(Keyframe keyframe, double voxel) {
   add_novel_points(keyframes_.back());
   if (rebuild) {
     tree_.rebuild(cloud_);
-    surfaces_.reset(cloud_, tree_, static_cast<float>(4.0 * voxel));
+    surfaces_.reset(cloud_, tree_, static_cast<float>(4.0 * voxel), &eyes_);
   } else {
     tree_.grow(cloud_);
     surfaces_.grow();
@@ -87,12 +88,14 @@ void LocalMap::forget(const Eigen::Vector3d& here) {
     cloud_.x[to] = cloud_.x[i];
     cloud_.y[to] = cloud_.y[i];
     cloud_.z[to] = cloud_.z[i];
+    eyes_[to] = eyes_[i];
     owner_[to++] = owner_[i];
   }
   cloud_.x.resize(to);
   cloud_.y.resize(to);
   cloud_.z.resize(to);
   owner_.resize(to);
+  eyes_.resize(to);
 }
 
 void LocalMap::move_origin(const Eigen::Vector3d& here) {
@@ -105,6 +108,7 @@ void LocalMap::move_origin(const Eigen::Vector3d& here) {
     cloud_.x[i] += shift.x();
     cloud_.y[i] += shift.y();
     cloud_.z[i] += shift.z();
+    eyes_[i] += shift;
   }
 }
 
@@ -124,6 +128,7 @@ void LocalMap::add_novel_points(const Keyframe& keyframe) {
     if (!taken_.insert(voxel_key(p, inverse_voxel))) continue;
     cloud_.push_back(p);
     owner_.push_back(keyframe.id);
+    eyes_.push_back(translation);
   }
 }
 

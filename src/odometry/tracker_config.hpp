@@ -17,7 +17,7 @@ struct TrackerConfig {
   int map_points_per_scan =
       14000;  ///< the voxel of the map is chosen to leave about so many points of a scan
   double min_voxel_m = 0.05;
-  double max_voxel_m = 1.0;
+  double max_voxel_m = 0.7;      ///< of coarser ones no surface of a trunk is left
   int max_source_points = 2500;  ///< points of a scan that are aligned
 
   double acceleration = 5.0;           ///< m/s^2 that the robot may well reach, for the prediction

@@ -68,3 +68,22 @@ TEST_CASE("a plane goes through the centre of its neighbours") {
   CHECK(surface.centre.z() == doctest::Approx(-1.5f));
   CHECK(surface.weight > 0.5f);
 }
+
+TEST_CASE("a plane seen edge-on hardly counts") {
+  PointCloud fan;  // clutter of some depth, crossed by one beam that sweeps at the height of the sensor
+  for (int i = 0; i < 100; ++i)
+    fan.push_back(20 + 0.1f * static_cast<float>((7 * i) % 10), 0.1f * static_cast<float>(i / 10), 0.0f);
+  KdForest tree;
+  tree.rebuild(fan);
+  const auto weight_from = [&](float height) {
+    const std::vector<Eigen::Vector3f> eyes(fan.size(), {0, 0, height});
+    LocalSurfaces surfaces;
+    surfaces.reset(fan, tree, 1, &eyes);
+    surfaces.prepare({55}, 1);
+    return surfaces.at(55).weight;
+  };
+  const float seen_from_above = weight_from(4);
+  CHECK(seen_from_above > 0.3f);
+  CHECK(weight_from(0.5f) < 0.2f * seen_from_above);
+  CHECK(weight_from(0) == 0.0f);
+}
