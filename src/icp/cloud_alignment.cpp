@@ -18,8 +18,9 @@ namespace {
 constexpr double kNuMaxOfMedian = 3.0;  // section 4.3
 constexpr double kNuFactor = 0.5;
 constexpr double kTolerance = 1e-5;  // of the diagonal
-constexpr std::size_t kApproachPoints = 512, kEvenPoints = 1024, kSpreadFrom = 12000;
-constexpr double kFirstSpread = 0.005, kSpreadStep = 1.4;  // of the diagonal
+constexpr std::size_t kApproachPoints = 384, kEvenPoints = 1024, kSpreadFrom = 8000;
+constexpr double kFirstSpread = 0.005;  // of the diagonal
+constexpr double kSpreadAim = 1.4, kLeastSpreadStep = 1.2, kMostSpreadStep = 3.0;
 constexpr double kJudgeShare = 0.33, kJudgeSpacings = 2.0, kMostlyOff = 0.5;
 constexpr double kApproachTolerance = 0.02;  // of nu
 constexpr double kApproachEnd = 0.7;         // spacings
@@ -37,8 +38,8 @@ struct Effort {
   double upper_share;  ///< of the points that halving at each level would give
   std::size_t least_points;
 };
-constexpr Effort kPointEffort = {0.001, 0.003, 1.0, 1024};
-constexpr Effort kPlaneEffort = {0.02, 0.1, 1.0, 1024};
+constexpr Effort kPointEffort = {0.001, 0.008, 1.0, 1024};
+constexpr Effort kPlaneEffort = {0.1, 0.1, 1.0, 1024};
 
 /// Every n-th point, so that about `count` are left.
 PointCloud thinned(const PointCloud& points, std::size_t count) {
@@ -69,10 +70,14 @@ PointCloud spread_out(const PointCloud& points, double diagonal, std::size_t cou
   result.nx.clear();
   result.ny.clear();
   result.nz.clear();
-  for (double voxel = kFirstSpread * diagonal; result.size() > 2 * count && voxel > 0; voxel *= kSpreadStep) {
+  for (double voxel = kFirstSpread * diagonal; result.size() > 2 * count && voxel > 0;) {
     PointCloud next = select(result, thin_by_voxel(result, static_cast<float>(voxel)));
     if (next.size() < count / 2) break;  // a few far clusters, which no voxel spreads out
     result = std::move(next);
+    // Of points on surfaces the square of the voxel's growth is left.
+    const double wanted =
+        std::sqrt(static_cast<double>(result.size()) / (kSpreadAim * static_cast<double>(count)));
+    voxel *= std::clamp(wanted, kLeastSpreadStep, kMostSpreadStep);
   }
   return result;
 }
@@ -186,7 +191,7 @@ class CloudAligner {
     const Pose shifted = shift(-coarse.centre()) * start;
     const double last_nu = kApproachEnd * coarse.spacing();
     const Pose one =
-        shift(coarse.centre()) * descend_levels(shifted, first_nu(shifted, &problem), last_nu, &problem);
+        shift(coarse.centre()) * descend_levels(shifted, first_nu(start, &judge), last_nu, &problem);
     count_searches(problem);
     const double nu = std::max(kJudgeShare * last_nu, kJudgeSpacings * target_.spacing());
     const auto off = [nu](CloudProblem& of, const Pose& pose) {
@@ -307,7 +312,7 @@ class CloudAligner {
     const double gate = kInlierSpacings * std::max(target_.spacing(), 3.0 * result_.nu_min);
     std::size_t inliers = 0;
     for (std::size_t i = 0; i < source_.points.size(); ++i)
-      inliers += problem.pair(i).squared_distance <= gate * gate ? 1 : 0;
+      inliers += problem.squared_distance(i) <= gate * gate ? 1 : 0;
     result_.inlier_ratio = static_cast<double>(inliers) / static_cast<double>(source_.points.size());
     // Rings and rows make the spacing much smaller than the distance of honest pairs: those are asked, too.
     const double honest = std::max(gate, kHonestPairs * problem.median_distance(source_.points.size()));

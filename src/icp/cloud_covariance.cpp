@@ -25,7 +25,7 @@ constexpr double kReach = 3.0;             // sigmas
 constexpr double kRadius = 5.0;            // spacings; for normals of targets that have none
 // What independent noise leaves out (pairs across edges, pairs that change with the motion), from trials with
 // known truth.
-constexpr double kInflation = 4.0;
+constexpr double kInflation = 6.0;
 constexpr double kLeastSlope = 0.02;
 // Sizes of the neighbourhoods whose errors may be one error, of the cloud's rms radius.
 constexpr double kNeighbourhoods[] = {1.0 / 32, 1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2};

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "geometry/parallel.hpp"
+#include "geometry/radix_sort.hpp"
 #include "geometry/voxel_grid.hpp"
 #include "icp/local_surfaces.hpp"
 
@@ -24,24 +25,26 @@ constexpr std::size_t kScaleSamples = 2048;
 constexpr double kLeastNuOfDiagonal = 1e-6;
 constexpr double kLeastNuOfSpacing = 0.01;
 
+/// Of an even number, the mean of the two in the middle.
 float median(std::vector<float>* values) {
   if (values->empty()) return 0;
   const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
   std::nth_element(values->begin(), middle, values->end());
-  return *middle;
+  return values->size() % 2 == 1 ? *middle : 0.5f * (*middle + *std::max_element(values->begin(), middle));
 }
 
 /// Points in an order that keeps neighbours together, so that searches find the tree in cache.
 PointCloud in_morton_order(PointCloud points, double diagonal) {
   const float cells = diagonal > 0 ? static_cast<float>(1024.0 / diagonal) : 0.0f;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(points.size());
-  const auto cell = [&](float v) { return static_cast<std::int32_t>(std::floor(v * cells)); };
+  std::vector<KeyedIndex> order(points.size());
+  // Counted from a corner, so that keys differ in few digits.
+  const auto cell = [&](float v) { return static_cast<std::int32_t>(v * cells + 512.0f); };
   for (std::size_t i = 0; i < points.size(); ++i) {
     order[i] = {morton_key(cell(points.x[i]), cell(points.y[i]), cell(points.z[i])),
                 static_cast<std::uint32_t>(i)};
   }
   if (std::is_sorted(order.begin(), order.end())) return points;
-  std::sort(order.begin(), order.end());
+  radix_sort(&order);
   std::vector<std::uint32_t> indices(order.size());
   std::transform(order.begin(), order.end(), indices.begin(), [](const auto& entry) { return entry.second; });
   return select(points, indices);
