@@ -18,12 +18,14 @@ namespace {
 constexpr double kNuMaxOfMedian = 3.0;  // section 4.3
 constexpr double kNuFactor = 0.5;
 constexpr double kTolerance = 1e-5;  // of the diagonal
-constexpr std::size_t kApproachPoints = 384, kEvenPoints = 1024, kSpreadFrom = 8000;
-constexpr double kFirstSpread = 0.005;  // of the diagonal
+constexpr std::size_t kRulePoints = 256, kApproachPoints = 512, kEvenPoints = 1024, kSpreadFrom = 8000;
+constexpr double kFirstSpread = 0.012;  // of the diagonal
+constexpr int kSpreadRounds = 12;
 constexpr double kSpreadAim = 1.4, kLeastSpreadStep = 1.2, kMostSpreadStep = 3.0;
 constexpr double kJudgeShare = 0.33, kJudgeSpacings = 2.0, kMostlyOff = 0.5;
 constexpr double kApproachTolerance = 0.02;  // of nu
 constexpr double kApproachEnd = 0.7;         // spacings
+constexpr int kFewCandidates = 3;
 constexpr std::size_t kMedianPoints = 2048;
 constexpr double kInlierSpacings = 2.0;
 constexpr double kGateMargin = 2.0;   // spacings, on top of the reach of nu, for distances within planes
@@ -70,9 +72,13 @@ PointCloud spread_out(const PointCloud& points, double diagonal, std::size_t cou
   result.nx.clear();
   result.ny.clear();
   result.nz.clear();
-  for (double voxel = kFirstSpread * diagonal; result.size() > 2 * count && voxel > 0;) {
+  double voxel = kFirstSpread * diagonal;
+  for (int round = 0; result.size() > 2 * count && voxel > 0 && round < kSpreadRounds; ++round) {
     PointCloud next = select(result, thin_by_voxel(result, static_cast<float>(voxel)));
-    if (next.size() < count / 2) break;  // a few far clusters, which no voxel spreads out
+    if (next.size() < count / 2) {  // a small part of the scene has nearly all points
+      voxel /= kMostSpreadStep;
+      continue;
+    }
     result = std::move(next);
     // Of points on surfaces the square of the voxel's growth is left.
     const double wanted =
@@ -101,8 +107,11 @@ class CloudAligner {
       estimate_normals(&source_.points, tree, CloudTarget::kNormalNeighbours, options.threads);
     }
     source_.points = in_level_order(source_.points);
-    setup_ = {method.objective, method.coordinates, method.robust, options.threads};
-    effort_ = method.objective == IcpObjective::kPoint ? kPointEffort : kPlaneEffort;
+    // Steps of plane methods are few and long, those of point methods many and short.
+    const bool point = method.objective == IcpObjective::kPoint;
+    setup_ = {method.objective, method.coordinates, method.robust, options.threads,
+              point ? Correspondences::kCandidates : kFewCandidates};
+    effort_ = point ? kPointEffort : kPlaneEffort;
     tolerance_ = options.tolerance > 0 ? options.tolerance : kTolerance * target.diagonal();
   }
 
@@ -187,11 +196,17 @@ class CloudAligner {
     const PointCloud apart = spread_out(source_.points, source_.diagonal, kApproachPoints);
     CloudProblem::Setup setup = setup_;
     setup.objective = IcpObjective::kPoint;
+    setup.candidates = kFewCandidates;
     CloudProblem problem(apart, coarse, setup), judge(apart, target_, setup);
+    {
+      const PointCloud few = thinned(source_.points, kRulePoints);
+      CloudProblem rule(few, target_, setup);
+      result_.nu_max = first_nu(start, &rule);
+    }
     const Pose shifted = shift(-coarse.centre()) * start;
     const double last_nu = kApproachEnd * coarse.spacing();
     const Pose one =
-        shift(coarse.centre()) * descend_levels(shifted, first_nu(start, &judge), last_nu, &problem);
+        shift(coarse.centre()) * descend_levels(shifted, first_nu(shifted, &problem), last_nu, &problem);
     count_searches(problem);
     const double nu = std::max(kJudgeShare * last_nu, kJudgeSpacings * target_.spacing());
     const auto off = [nu](CloudProblem& of, const Pose& pose) {
@@ -215,7 +230,6 @@ class CloudAligner {
   }
 
   Pose descend_levels(Pose pose, double nu, double last_nu, CloudProblem* problem) {
-    result_.nu_max = std::max(result_.nu_max, nu);
     DescentOptions descent;
     descent.max_iterations = 100;
     descent.max_line_search_steps = 0;
@@ -297,7 +311,7 @@ class CloudAligner {
       first_nu = kNuMaxOfMedian * problem->median_residual(kMedianPoints);
     }
     first_nu = std::max(first_nu, result_.nu_min);
-    result_.nu_max = std::max(result_.nu_max, first_nu);
+    if (!(result_.nu_max > 0)) result_.nu_max = first_nu;
     return first_nu;
   }
 

@@ -36,9 +36,7 @@ double median_of(std::size_t n, std::size_t count, const Value& value) {
 CloudProblem::CloudProblem(const PointCloud& source, const CloudTarget& target, const Setup& setup)
     : source_(source), target_(target), setup_(setup) {
   const std::size_t n = source.size();
-  // Steps of plane methods are few and far, those of point methods many and short.
-  correspondences_.reset(target.points(), target.tree(), n,
-                         setup.objective == IcpObjective::kPoint ? Correspondences::kCandidates : 3);
+  correspondences_.reset(target.points(), target.tree(), n, setup.candidates);
   used_ = n;
   double sum = 0;
   for (std::size_t i = 0; i < n; ++i) sum += static_cast<double>(source.point(i).squaredNorm());

@@ -28,6 +28,7 @@ class CloudProblem final : public DescentProblem {
     MotionCoordinates coordinates = MotionCoordinates::kLieAlgebra;
     bool robust = true;
     int threads = 1;
+    int candidates = Correspondences::kCandidates;  ///< as in Correspondences::reset()
   };
   /// Source (with normals for the symmetric objective) and target must outlive this object.
   CloudProblem(const PointCloud& source, const CloudTarget& target, const Setup& setup);
