@@ -25,6 +25,8 @@ constexpr double kSpreadAim = 1.4, kLeastSpreadStep = 1.2, kMostSpreadStep = 3.0
 constexpr double kJudgeShare = 0.33, kJudgeSpacings = 2.0, kMostlyOff = 0.5;
 constexpr double kApproachTolerance = 0.02;  // of nu
 constexpr double kApproachEnd = 0.7;         // spacings
+// Where two do not descend, more find next to nothing.
+constexpr int kLineSearchSteps = 2;
 constexpr int kFewCandidates = 3;
 constexpr std::size_t kMedianPoints = 2048;
 constexpr double kInlierSpacings = 2.0;
@@ -104,7 +106,7 @@ class CloudAligner {
     if (method.objective == IcpObjective::kSymmetric) {
       KdForest tree;
       tree.rebuild(source_.points);
-      estimate_normals(&source_.points, tree, CloudTarget::kNormalNeighbours, options.threads);
+      estimate_normals(&source_.points, tree, CloudTarget::normal_neighbours(options.voxel), options.threads);
     }
     source_.points = in_level_order(source_.points);
     // Steps of plane methods are few and long, those of point methods many and short.
@@ -166,7 +168,7 @@ class CloudAligner {
     DescentOptions descent;
     descent.anderson_window = method_.accelerated ? AndersonAcceleration::kMaxWindow : 0;
     descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 1000;
-    descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : 6;
+    descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : kLineSearchSteps;
     descent.tolerance = tolerance_;
     report_progress(&descent, 0.0, 1.0);
     account(descend(problem, problem.begin(start, 1.0, 2.0 * everything(start)), descent));
@@ -258,7 +260,7 @@ class CloudAligner {
     DescentOptions descent;
     descent.anderson_window = method_.accelerated ? AndersonAcceleration::kMaxWindow : 0;
     descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 100;
-    descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : 6;
+    descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : kLineSearchSteps;
     const double last_tolerance = std::min(tolerance_, effort_.last_tolerance * result_.nu_min);
     const double levels = 1.0 + std::max(0.0, std::ceil(std::log2(first_nu / result_.nu_min)));
     double level = 0;

@@ -149,10 +149,10 @@ double CloudTarget::least_nu() const {
   return std::max(kLeastNuOfDiagonal * cloud_.diagonal, 1e-12);
 }
 
-void CloudTarget::prepare_normals(int threads, const Eigen::Vector3d* viewpoint) {
+void CloudTarget::prepare_normals(int threads, const Eigen::Vector3d* viewpoint, int neighbours) {
   const Eigen::Vector3f from =
       viewpoint ? Eigen::Vector3f((*viewpoint - cloud_.centre).cast<float>()) : Eigen::Vector3f::Zero();
-  estimate_normals(&cloud_.points, tree_, kNormalNeighbours, threads, viewpoint ? &from : nullptr);
+  estimate_normals(&cloud_.points, tree_, neighbours, threads, viewpoint ? &from : nullptr);
   normals_ready_ = true;
   const PointCloud& points = cloud_.points;
   const double height = median_over_samples([&](std::size_t i, std::size_t k) {
