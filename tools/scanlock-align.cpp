@@ -133,7 +133,8 @@ void run(const AlignOptions& options) {
   const std::size_t target_points = target_cloud.size();
   if (options.picture.empty()) target_file = PointCloud{};  // the target has its own copy
   ms.index = watch.lap();
-  if (method.needs_normals() || global) target.prepare_normals(options.threads);
+  if (method.needs_normals() || global)
+    target.prepare_normals(options.threads, nullptr, CloudTarget::normal_neighbours(voxel));
   ms.normals = watch.lap();
   CloudAlignmentOptions alignment = alignment_options(options);
   alignment.voxel = voxel;

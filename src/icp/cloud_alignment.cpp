@@ -18,11 +18,16 @@ namespace {
 constexpr double kNuMaxOfMedian = 3.0;  // section 4.3
 constexpr double kNuFactor = 0.5;
 constexpr double kTolerance = 1e-5;  // of the diagonal
-constexpr std::size_t kApproachPoints = 512, kEvenPoints = 1024, kSpreadFrom = 12000;
-constexpr double kFirstSpread = 0.005, kSpreadStep = 1.4;  // of the diagonal
+constexpr std::size_t kRulePoints = 256, kApproachPoints = 512, kEvenPoints = 1024, kSpreadFrom = 8000;
+constexpr double kFirstSpread = 0.012;  // of the diagonal
+constexpr int kSpreadRounds = 12;
+constexpr double kSpreadAim = 1.4, kLeastSpreadStep = 1.2, kMostSpreadStep = 3.0;
 constexpr double kJudgeShare = 0.33, kJudgeSpacings = 2.0, kMostlyOff = 0.5;
 constexpr double kApproachTolerance = 0.02;  // of nu
 constexpr double kApproachEnd = 0.7;         // spacings
+// Where two do not descend, more find next to nothing.
+constexpr int kLineSearchSteps = 2;
+constexpr int kFewCandidates = 3;
 constexpr std::size_t kMedianPoints = 2048;
 constexpr double kInlierSpacings = 2.0;
 constexpr double kGateMargin = 2.0;   // spacings, on top of the reach of nu, for distances within planes
@@ -37,8 +42,8 @@ struct Effort {
   double upper_share;  ///< of the points that halving at each level would give
   std::size_t least_points;
 };
-constexpr Effort kPointEffort = {0.001, 0.003, 1.0, 1024};
-constexpr Effort kPlaneEffort = {0.02, 0.1, 1.0, 1024};
+constexpr Effort kPointEffort = {0.001, 0.008, 1.0, 1024};
+constexpr Effort kPlaneEffort = {0.1, 0.1, 1.0, 1024};
 
 /// Every n-th point, so that about `count` are left.
 PointCloud thinned(const PointCloud& points, std::size_t count) {
@@ -69,10 +74,18 @@ PointCloud spread_out(const PointCloud& points, double diagonal, std::size_t cou
   result.nx.clear();
   result.ny.clear();
   result.nz.clear();
-  for (double voxel = kFirstSpread * diagonal; result.size() > 2 * count && voxel > 0; voxel *= kSpreadStep) {
+  double voxel = kFirstSpread * diagonal;
+  for (int round = 0; result.size() > 2 * count && voxel > 0 && round < kSpreadRounds; ++round) {
     PointCloud next = select(result, thin_by_voxel(result, static_cast<float>(voxel)));
-    if (next.size() < count / 2) break;  // a few far clusters, which no voxel spreads out
+    if (next.size() < count / 2) {  // a small part of the scene has nearly all points
+      voxel /= kMostSpreadStep;
+      continue;
+    }
     result = std::move(next);
+    // Of points on surfaces the square of the voxel's growth is left.
+    const double wanted =
+        std::sqrt(static_cast<double>(result.size()) / (kSpreadAim * static_cast<double>(count)));
+    voxel *= std::clamp(wanted, kLeastSpreadStep, kMostSpreadStep);
   }
   return result;
 }
@@ -93,11 +106,14 @@ class CloudAligner {
     if (method.objective == IcpObjective::kSymmetric) {
       KdForest tree;
       tree.rebuild(source_.points);
-      estimate_normals(&source_.points, tree, CloudTarget::kNormalNeighbours, options.threads);
+      estimate_normals(&source_.points, tree, CloudTarget::normal_neighbours(options.voxel), options.threads);
     }
     source_.points = in_level_order(source_.points);
-    setup_ = {method.objective, method.coordinates, method.robust, options.threads};
-    effort_ = method.objective == IcpObjective::kPoint ? kPointEffort : kPlaneEffort;
+    // Steps of plane methods are few and long, those of point methods many and short.
+    const bool point = method.objective == IcpObjective::kPoint;
+    setup_ = {method.objective, method.coordinates, method.robust, options.threads,
+              point ? Correspondences::kCandidates : kFewCandidates};
+    effort_ = point ? kPointEffort : kPlaneEffort;
     tolerance_ = options.tolerance > 0 ? options.tolerance : kTolerance * target.diagonal();
   }
 
@@ -152,7 +168,7 @@ class CloudAligner {
     DescentOptions descent;
     descent.anderson_window = method_.accelerated ? AndersonAcceleration::kMaxWindow : 0;
     descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 1000;
-    descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : 6;
+    descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : kLineSearchSteps;
     descent.tolerance = tolerance_;
     report_progress(&descent, 0.0, 1.0);
     account(descend(problem, problem.begin(start, 1.0, 2.0 * everything(start)), descent));
@@ -182,7 +198,13 @@ class CloudAligner {
     const PointCloud apart = spread_out(source_.points, source_.diagonal, kApproachPoints);
     CloudProblem::Setup setup = setup_;
     setup.objective = IcpObjective::kPoint;
+    setup.candidates = kFewCandidates;
     CloudProblem problem(apart, coarse, setup), judge(apart, target_, setup);
+    {
+      const PointCloud few = thinned(source_.points, kRulePoints);
+      CloudProblem rule(few, target_, setup);
+      result_.nu_max = first_nu(start, &rule);
+    }
     const Pose shifted = shift(-coarse.centre()) * start;
     const double last_nu = kApproachEnd * coarse.spacing();
     const Pose one =
@@ -210,7 +232,6 @@ class CloudAligner {
   }
 
   Pose descend_levels(Pose pose, double nu, double last_nu, CloudProblem* problem) {
-    result_.nu_max = std::max(result_.nu_max, nu);
     DescentOptions descent;
     descent.max_iterations = 100;
     descent.max_line_search_steps = 0;
@@ -239,7 +260,7 @@ class CloudAligner {
     DescentOptions descent;
     descent.anderson_window = method_.accelerated ? AndersonAcceleration::kMaxWindow : 0;
     descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 100;
-    descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : 6;
+    descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : kLineSearchSteps;
     const double last_tolerance = std::min(tolerance_, effort_.last_tolerance * result_.nu_min);
     const double levels = 1.0 + std::max(0.0, std::ceil(std::log2(first_nu / result_.nu_min)));
     double level = 0;
@@ -292,7 +313,7 @@ class CloudAligner {
       first_nu = kNuMaxOfMedian * problem->median_residual(kMedianPoints);
     }
     first_nu = std::max(first_nu, result_.nu_min);
-    result_.nu_max = std::max(result_.nu_max, first_nu);
+    if (!(result_.nu_max > 0)) result_.nu_max = first_nu;
     return first_nu;
   }
 
@@ -307,7 +328,7 @@ class CloudAligner {
     const double gate = kInlierSpacings * std::max(target_.spacing(), 3.0 * result_.nu_min);
     std::size_t inliers = 0;
     for (std::size_t i = 0; i < source_.points.size(); ++i)
-      inliers += problem.pair(i).squared_distance <= gate * gate ? 1 : 0;
+      inliers += problem.squared_distance(i) <= gate * gate ? 1 : 0;
     result_.inlier_ratio = static_cast<double>(inliers) / static_cast<double>(source_.points.size());
     // Rings and rows make the spacing much smaller than the distance of honest pairs: those are asked, too.
     const double honest = std::max(gate, kHonestPairs * problem.median_distance(source_.points.size()));

@@ -23,7 +23,9 @@ std::optional<CloudAlignment> CloudChain::add(const PointCloud& cloud,
                                               const std::optional<ChainGuess>& guess) {
   const double own_voxel = voxel_ ? *voxel_ : sensible_voxel(cloud);
   auto own = std::make_unique<CloudTarget>(thinned_by(cloud, own_voxel), options_.threads);
-  if (method_.needs_normals() || options_.start_may_be_better) own->prepare_normals(options_.threads);
+  if (method_.needs_normals() || options_.start_may_be_better) {
+    own->prepare_normals(options_.threads, nullptr, CloudTarget::normal_neighbours(own_voxel));
+  }
 
   std::optional<CloudAlignment> alignment;
   if (target_) {

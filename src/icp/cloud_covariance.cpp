@@ -18,14 +18,13 @@
 namespace scanlock {
 namespace {
 
-// Normals that have to be fitted first cost more.
-constexpr std::size_t kSamples = 4096, kSamplesToFit = 2048;
+constexpr std::size_t kSamples = 2048;
 constexpr double kSigmaOfMedian = 1.4826;  // of a normal distribution
 constexpr double kReach = 3.0;             // sigmas
 constexpr double kRadius = 5.0;            // spacings; for normals of targets that have none
 // What independent noise leaves out (pairs across edges, pairs that change with the motion), from trials with
 // known truth.
-constexpr double kInflation = 4.0;
+constexpr double kInflation = 5.0;
 constexpr double kLeastSlope = 0.02;
 // Sizes of the neighbourhoods whose errors may be one error, of the cloud's rms radius.
 constexpr double kNeighbourhoods[] = {1.0 / 32, 1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2};
@@ -42,8 +41,7 @@ struct PlanePair {
 std::vector<PlanePair> plane_pairs(const PointCloud& source, const CloudTarget& target,
                                    const CloudProblem& problem, double gate) {
   std::vector<PlanePair> pairs;
-  const std::size_t samples = target.normals_ready() ? kSamples : kSamplesToFit;
-  const std::size_t stride = std::max<std::size_t>(1, source.size() / samples);
+  const std::size_t stride = std::max<std::size_t>(1, source.size() / kSamples);
   const Pose& pose = problem.pose();
   LocalSurfaces surfaces;
   const PointCloud& to = target.points();

@@ -36,7 +36,7 @@ double median_of(std::size_t n, std::size_t count, const Value& value) {
 CloudProblem::CloudProblem(const PointCloud& source, const CloudTarget& target, const Setup& setup)
     : source_(source), target_(target), setup_(setup) {
   const std::size_t n = source.size();
-  correspondences_.reset(target.points(), target.tree(), n);
+  correspondences_.reset(target.points(), target.tree(), n, setup.candidates);
   used_ = n;
   double sum = 0;
   for (std::size_t i = 0; i < n; ++i) sum += static_cast<double>(source.point(i).squaredNorm());
@@ -88,10 +88,6 @@ Eigen::Vector3f CloudProblem::pair_normal(std::size_t i, std::size_t q,
   return 0.5f * (here.dot(there) < 0 ? Eigen::Vector3f(there - here) : Eigen::Vector3f(there + here));
 }
 
-CloudProblem::Motion CloudProblem::motion() const {
-  return {pose_.linear().cast<float>(), pose_.translation().cast<float>()};
-}
-
 Eigen::Vector3f CloudProblem::moved(std::size_t i, const Motion& by) const {
   const float px = source_.x[i], py = source_.y[i], pz = source_.z[i];
   const Eigen::Matrix3f& r = by.rotation;
@@ -119,17 +115,25 @@ CloudProblem::Pair CloudProblem::measure(std::size_t i, std::int32_t target, con
     pair.residual = pair.normal.dot(d);
   }
   const double r = pair.residual;
-  pair.weight = setup_.robust ? welsch_weight(r * r, nu_) : 1.0;
+  const double reach = kWelschReach * nu_;
+  pair.weight = !setup_.robust ? 1.0 : r * r > reach * reach ? 0.0 : welsch_weight(r * r, nu_);
   return pair;
 }
 
 CloudProblem::Pair CloudProblem::pair(std::size_t i) const {
-  const Motion by = motion();
-  return measure(i, correspondences_.found(i), moved(i, by), by);
+  return measure(i, correspondences_.found(i), moved(i, motion_), motion_);
+}
+
+float CloudProblem::squared_distance(std::size_t i) const {
+  const std::int32_t target = correspondences_.found(i);
+  if (target < 0) return std::numeric_limits<float>::quiet_NaN();
+  const float squared =
+      (moved(i, motion_) - target_.points().point(static_cast<std::size_t>(target))).squaredNorm();
+  return squared > static_cast<float>(gate_ * gate_) ? std::numeric_limits<float>::quiet_NaN() : squared;
 }
 
 double CloudProblem::median_distance(std::size_t count) const {
-  return std::sqrt(median_of(used_, count, [&](std::size_t i) { return pair(i).squared_distance; }));
+  return std::sqrt(median_of(used_, count, [&](std::size_t i) { return squared_distance(i); }));
 }
 
 double CloudProblem::median_residual(std::size_t count) const {
@@ -176,10 +180,10 @@ void CloudProblem::gather(std::size_t begin, std::size_t end, const Motion& by, 
 
 double CloudProblem::evaluate(const StateVector& state) {
   pose_ = pose_of(state);
-  const Motion by = motion();
+  motion_ = {pose_.linear().cast<float>(), pose_.translation().cast<float>()};
   std::vector<Sums> chunks((used_ + kChunk - 1) / kChunk);
   for_each_chunk(used_, kChunk, setup_.threads, [&](std::size_t begin, std::size_t end) {
-    gather(begin, end, by, &chunks[begin / kChunk]);
+    gather(begin, end, motion_, &chunks[begin / kChunk]);
   });
   sums_ = Sums();
   for (const Sums& chunk : chunks) {

@@ -28,6 +28,7 @@ class CloudProblem final : public DescentProblem {
     MotionCoordinates coordinates = MotionCoordinates::kLieAlgebra;
     bool robust = true;
     int threads = 1;
+    int candidates = Correspondences::kCandidates;  ///< as in Correspondences::reset()
   };
   /// Source (with normals for the symmetric objective) and target must outlive this object.
   CloudProblem(const PointCloud& source, const CloudTarget& target, const Setup& setup);
@@ -57,6 +58,7 @@ class CloudProblem final : public DescentProblem {
     double weight = 0;
   };
   Pair pair(std::size_t i) const;
+  float squared_distance(std::size_t i) const;  ///< of the pair, without the rest of it
 
   /// Over every n-th point in use, so that about `count` are asked, those without a pair left out; the second
   /// of absolute values.
@@ -81,7 +83,6 @@ class CloudProblem final : public DescentProblem {
     Eigen::Matrix3f rotation;
     Eigen::Vector3f translation;
   };
-  Motion motion() const;
   Eigen::Vector3f moved(std::size_t i, const Motion& by) const;
   Pair measure(std::size_t i, std::int32_t target, const Eigen::Vector3f& moved, const Motion& by) const;
   void add_plane(const Pair& pair, Sums* sums) const;
@@ -97,6 +98,7 @@ class CloudProblem final : public DescentProblem {
   double nu_ = 1, gate_ = 1, arm_ = 1;
   Pose base_ = Pose::Identity(), pose_ = Pose::Identity();
   Correspondences correspondences_;
+  Motion motion_{Eigen::Matrix3f::Identity(), Eigen::Vector3f::Zero()};  ///< pose_
   Sums sums_;
 };
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "geometry/parallel.hpp"
+#include "geometry/radix_sort.hpp"
 #include "geometry/voxel_grid.hpp"
 #include "icp/local_surfaces.hpp"
 
@@ -18,30 +19,32 @@ namespace scanlock {
 namespace {
 
 constexpr std::size_t kChunk = 256;
-// Scales are medians; so many points spread over the cloud give them to about three percent.
-constexpr std::size_t kScaleSamples = 2048;
+// Scales are medians; so many points spread over the cloud give them to a few percent.
+constexpr std::size_t kScaleSamples = 1024;
 // A nu below these shares of the scene or of its sampling only follows float rounding.
 constexpr double kLeastNuOfDiagonal = 1e-6;
 constexpr double kLeastNuOfSpacing = 0.01;
 
+/// Of an even number, the mean of the two in the middle.
 float median(std::vector<float>* values) {
   if (values->empty()) return 0;
   const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
   std::nth_element(values->begin(), middle, values->end());
-  return *middle;
+  return values->size() % 2 == 1 ? *middle : 0.5f * (*middle + *std::max_element(values->begin(), middle));
 }
 
 /// Points in an order that keeps neighbours together, so that searches find the tree in cache.
 PointCloud in_morton_order(PointCloud points, double diagonal) {
   const float cells = diagonal > 0 ? static_cast<float>(1024.0 / diagonal) : 0.0f;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(points.size());
-  const auto cell = [&](float v) { return static_cast<std::int32_t>(std::floor(v * cells)); };
+  std::vector<KeyedIndex> order(points.size());
+  // Counted from a corner, so that keys differ in few digits.
+  const auto cell = [&](float v) { return static_cast<std::int32_t>(v * cells + 512.0f); };
   for (std::size_t i = 0; i < points.size(); ++i) {
     order[i] = {morton_key(cell(points.x[i]), cell(points.y[i]), cell(points.z[i])),
                 static_cast<std::uint32_t>(i)};
   }
   if (std::is_sorted(order.begin(), order.end())) return points;
-  std::sort(order.begin(), order.end());
+  radix_sort(&order);
   std::vector<std::uint32_t> indices(order.size());
   std::transform(order.begin(), order.end(), indices.begin(), [](const auto& entry) { return entry.second; });
   return select(points, indices);
@@ -146,10 +149,10 @@ double CloudTarget::least_nu() const {
   return std::max(kLeastNuOfDiagonal * cloud_.diagonal, 1e-12);
 }
 
-void CloudTarget::prepare_normals(int threads, const Eigen::Vector3d* viewpoint) {
+void CloudTarget::prepare_normals(int threads, const Eigen::Vector3d* viewpoint, int neighbours) {
   const Eigen::Vector3f from =
       viewpoint ? Eigen::Vector3f((*viewpoint - cloud_.centre).cast<float>()) : Eigen::Vector3f::Zero();
-  estimate_normals(&cloud_.points, tree_, kNormalNeighbours, threads, viewpoint ? &from : nullptr);
+  estimate_normals(&cloud_.points, tree_, neighbours, threads, viewpoint ? &from : nullptr);
   normals_ready_ = true;
   const PointCloud& points = cloud_.points;
   const double height = median_over_samples([&](std::size_t i, std::size_t k) {

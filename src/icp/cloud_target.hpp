@@ -33,14 +33,19 @@ CentredCloud centred(const PointCloud& cloud);
 class CloudTarget {
  public:
   static constexpr int kNormalNeighbours = 15;
+  /// How many neighbours make the normals of a cloud thinned to a point a `voxel` (0: not thinned): the means
+  /// of voxels are less noisy, and far apart.
+  static int normal_neighbours(double voxel) { return voxel > 0 ? 10 : kNormalNeighbours; }
 
   /// Throws std::invalid_argument when fewer than three points are finite. `threads` does not change the
   /// answers.
   explicit CloudTarget(const PointCloud& cloud, int threads = 1);
 
   /// What the methods for planes need: the cloud's own normals are made unit, and what is missing is
-  /// estimated, looking towards `viewpoint` (in the cloud's own frame) where one is known.
-  void prepare_normals(int threads = 1, const Eigen::Vector3d* viewpoint = nullptr);
+  /// estimated from so many `neighbours`, looking towards `viewpoint` (in the cloud's own frame) where one is
+  /// known.
+  void prepare_normals(int threads = 1, const Eigen::Vector3d* viewpoint = nullptr,
+                       int neighbours = kNormalNeighbours);
 
   const PointCloud& points() const { return cloud_.points; }  ///< relative to centre()
   bool normals_ready() const { return normals_ready_; }

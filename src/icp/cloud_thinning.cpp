@@ -14,10 +14,12 @@ namespace {
 
 constexpr std::size_t kFew = 20000;      // a cloud that needs no thinning
 constexpr double kVoxelOfRadius = 0.05;  // the first guess: detail that is small against the scene
-// Of the points of a scan a seventh says all: the others repeat their neighbours in the same row.
-constexpr std::size_t kShare = 7, kLeast = 5000, kMostOfLeast = 20000, kMost = 24000;
-constexpr double kStep = 1.2;
-constexpr int kRounds = 40;
+// Of the points of a scan this share says all: the others repeat their neighbours in the same row.
+constexpr double kShare = 0.18, kLeast = 5000, kMostOfLeast = 24000, kMost = 30000;
+constexpr double kAim = 1.05;  // of what is wanted, so that one more step mostly gets there
+constexpr double kStep = 2.0;  // at most
+constexpr double kLeastStep = 1.03;
+constexpr int kRounds = 20;
 
 /// Median distance of the points from their median.
 double median_radius(const PointCloud& cloud) {
@@ -44,13 +46,16 @@ double sensible_voxel(const PointCloud& cloud) {
   if (cloud.size() <= kFew) return 0;
   double voxel = kVoxelOfRadius * median_radius(cloud);
   if (!(voxel > 0)) return 0;
-  const auto left = [&] { return thin_by_voxel(cloud, static_cast<float>(voxel)).size(); };
-  const std::size_t least = std::clamp(cloud.size() / kShare, kLeast, kMostOfLeast);
-  std::size_t count = left();
-  const bool too_many = count > kMost;
-  for (int round = 0; round < kRounds && (too_many ? count > kMost : count < least); ++round) {
-    voxel = too_many ? voxel * kStep : voxel / kStep;
-    count = left();
+  const double least = std::clamp(kShare * static_cast<double>(cloud.size()), kLeast, kMostOfLeast);
+  for (int round = 0; round < kRounds; ++round) {
+    const double left = static_cast<double>(thin_by_voxel(cloud, static_cast<float>(voxel)).size());
+    if (left >= least && left <= kMost) break;
+    // As the voxel shrinks, the points of far apart rows grow in proportion, those of dense surfaces faster.
+    if (left < least) {
+      voxel /= std::clamp(kAim * least / std::max(left, 1.0), kLeastStep, kStep);
+    } else {
+      voxel *= std::clamp(std::sqrt(kAim * left / kMost), kLeastStep, kStep);
+    }
   }
   return voxel;
 }

@@ -7,8 +7,8 @@
 namespace scanlock {
 
 /// A voxel size, metres, for aligning the cloud: a small share of the scene's size, finer where that would
-/// leave less than a seventh of the points (20,000 are always enough), coarser where it would leave more than
-/// 24,000; 0 (keep all) for a cloud that has not many points.
+/// leave less than 18 % of the points (24,000 are always enough), coarser where it would leave more than
+/// 30,000; 0 (keep all) for a cloud that has not many points.
 double sensible_voxel(const PointCloud& cloud);
 
 /// thin_by_voxel(), selected; the cloud itself for a voxel of 0.

@@ -21,7 +21,8 @@ constexpr float kRounding = 1e-5f;
 
 }  // namespace
 
-void Correspondences::reset(const PointCloud& target, const KdForest& tree, std::size_t n) {
+void Correspondences::reset(const PointCloud& target, const KdForest& tree, std::size_t n, int candidates) {
+  wanted_ = candidates;
   target_ = &target;
   tree_ = &tree;
   Memory none{};
@@ -64,14 +65,14 @@ bool Correspondences::answer_from_memory(const Eigen::Vector3f& query, float gat
 void Correspondences::search(const Eigen::Vector3f& query, float radius, Memory* memory) const {
   // The points found last time bound the distances sought now, so the search prunes from its first step.
   float bound = radius;
-  if (memory->candidates.back() >= 0) {
+  if (memory->candidates[static_cast<std::size_t>(wanted_ - 1)] >= 0) {
     float farthest = 0;
-    for (const std::int32_t candidate : memory->candidates)
-      farthest = std::max(farthest, squared_distance(candidate, query));
+    for (int k = 0; k < wanted_; ++k)
+      farthest = std::max(farthest, squared_distance(memory->candidates[static_cast<std::size_t>(k)], query));
     bound = std::min(bound, std::sqrt(farthest) * (1.0f + kRounding) + std::numeric_limits<float>::min());
   }
   std::array<Neighbour, kCandidates> found;
-  const int count = tree_->k_nearest(query, kCandidates, found.data(), bound);
+  const int count = tree_->k_nearest(query, wanted_, found.data(), bound);
   memory->x = query.x();
   memory->y = query.y();
   memory->z = query.z();
@@ -80,7 +81,8 @@ void Correspondences::search(const Eigen::Vector3f& query, float radius, Memory*
         k < count ? found[static_cast<std::size_t>(k)].index : -1;
   const float d1 = count > 0 ? std::sqrt(found[0].squared_distance) : bound;
   const float d2 = count > 1 ? std::sqrt(found[1].squared_distance) : bound;
-  const float last = count == kCandidates ? std::sqrt(found.back().squared_distance) : bound;
+  const float last =
+      count == wanted_ ? std::sqrt(found[static_cast<std::size_t>(wanted_ - 1)].squared_distance) : bound;
   memory->beyond = last * (1.0f - kRounding);
   memory->margin = count > 0 ? 0.5f * (d2 - d1) - kRounding * d2 : -1.0f;
   memory->answer = memory->candidates[0];

@@ -19,9 +19,12 @@ namespace scanlock {
 /// the answers are those of a search of every point at every update; only the work is less.
 class Correspondences {
  public:
+  static constexpr int kCandidates = 6;
+
   /// Forgets everything and prepares for `n` source points. Cloud and its tree must outlive this object's
-  /// use.
-  void reset(const PointCloud& target, const KdForest& tree, std::size_t n);
+  /// use. `candidates`, 2 to kCandidates: how many target points a search keeps. More make a search dearer,
+  /// and more of its answers last.
+  void reset(const PointCloud& target, const KdForest& tree, std::size_t n, int candidates = kCandidates);
 
   /// Brings the answers up to date with the moved source (x, y, z of n points each, target frame, metres):
   /// the nearest target point within `gate` metres of each. `threads` does not change the answers.
@@ -46,7 +49,6 @@ class Correspondences {
   std::int64_t searches_saved() const { return searches_saved_; }
 
  private:
-  static constexpr int kCandidates = 6;
   struct Memory {
     float x, y, z;      ///< position at the last search
     float beyond = -1;  ///< no other target point was nearer than this; negative: never searched
@@ -60,6 +62,7 @@ class Correspondences {
 
   const PointCloud* target_ = nullptr;
   const KdForest* tree_ = nullptr;
+  int wanted_ = kCandidates;
   std::vector<Memory> memories_;
   std::vector<std::int32_t> indices_;
   std::int64_t searches_made_ = 0, searches_saved_ = 0;

@@ -59,7 +59,7 @@ class BoundedNearest final : public flann::ResultSet<float> {
   const std::int32_t* original_;
 };
 
-constexpr int kLeafSize = 12;
+constexpr int kLeafSize = 24;
 
 }  // namespace
 
