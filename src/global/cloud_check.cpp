@@ -52,18 +52,15 @@ void CloudCheck::trace_rays() {
     const Eigen::Vector3f direction = cloud_.point(i) / range;
     // The last stretch may graze the surface that the ray ends on.
     const int steps = std::min(static_cast<int>((range - kStandOff * step) / step), kMostSteps);
-    for (int k = 1; k < steps; ++k) free_.push_back(cell(direction * (step * static_cast<float>(k))));
+    for (int k = 1; k < steps; ++k) free_.insert(cell(direction * (step * static_cast<float>(k))));
   }
-  std::sort(free_.begin(), free_.end());
-  free_.erase(std::unique(free_.begin(), free_.end()), free_.end());
 }
 
 /// Rays skim over the ground between the few that hit it: where it is free below, too, that is not the
 /// ground.
 bool CloudCheck::is_free(const Eigen::Vector3f& p) const {
   const Eigen::Vector3f below(0, 0, kCell * voxel_);
-  return std::binary_search(free_.begin(), free_.end(), cell(p)) &&
-         std::binary_search(free_.begin(), free_.end(), cell(p - below));
+  return free_.contains(cell(p)) && free_.contains(cell(p - below));
 }
 
 CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck& to,

@@ -7,6 +7,7 @@
 
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
+#include "global/cell_set.hpp"
 #include "search/kd_tree.hpp"
 
 namespace scanlock {
@@ -49,7 +50,7 @@ class CloudCheck {
   float voxel_;
   KdTree tree_;
   std::vector<std::uint32_t> samples_;
-  std::vector<std::uint64_t> free_;  // cells, sorted
+  CellSet free_;
 };
 
 }  // namespace scanlock
