@@ -28,12 +28,11 @@ inline void append(const PointCloud& cloud, PointCloud* map) {
   map->z.insert(map->z.end(), cloud.z.begin(), cloud.z.end());
 }
 
-inline std::optional<GlobalStart> global_link(const AlignOptions& options, const std::string& source_path,
-                                              const PointCloud& source, const std::string& target_path,
-                                              const PointCloud& target) {
+inline std::optional<GlobalStart> global_link(const AlignOptions& options, GlobalSearch& search,
+                                              const std::string& source_path, const PointCloud& source,
+                                              const std::string& target_path, const PointCloud& target) {
   if (!is_global(options.method) || target.empty()) return std::nullopt;
-  GlobalStart link =
-      find_global_start(source, target, Eigen::Vector3d(options.up.data()), options.voxel, options.epsilon);
+  GlobalStart link = search.next(source, target);
   if (link.registration.verdict != GlobalVerdict::kCertain) {
     const std::string words = source_path + " to " + target_path + ": " +
                               verdict_name(link.registration.verdict) + ": " + link.registration.why;
@@ -90,6 +89,7 @@ inline void run_chain(const AlignOptions& options) {
   alignment.start_may_be_better = is_global(options.method);
   CloudChain chain(refining.empty() ? CloudMethod{} : *find_cloud_method(refining), alignment,
                    options.voxel >= 0 ? std::optional<double>(options.voxel) : std::nullopt);
+  GlobalSearch search(Eigen::Vector3d(options.up.data()), options.voxel, options.epsilon);
   std::optional<ProgressBar> bar(std::in_place, "aligning");
   PointCloud map, before;
   Trajectory trajectory;
@@ -98,7 +98,7 @@ inline void run_chain(const AlignOptions& options) {
   for (std::size_t i = 0; i < paths.size(); ++i) {
     PointCloud cloud = read_cloud(paths[i]);
     const std::optional<GlobalStart> global =
-        global_link(options, paths[i], cloud, paths[i > 0 ? i - 1 : 0], before);
+        global_link(options, search, paths[i], cloud, paths[i > 0 ? i - 1 : 0], before);
     std::optional<CloudAlignment> link;
     try {
       link = chain.add(cloud, chain_guess(options, global));

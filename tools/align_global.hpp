@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "global/cloud_registration.hpp"
 
@@ -26,7 +28,7 @@ inline std::string refining_method(const std::string& method) {
 /// A registration and its times, as scanlock-align reports them.
 struct GlobalStart {
   CloudRegistration registration;
-  DescriptionTiming timing;
+  double keypoints_ms = 0, features_ms = 0;  // CPU, of the clouds that had to be described
 
   /// Where no pose was confirmed, the clouds as they are given are as good a start as any.
   bool found() const { return registration.verdict != GlobalVerdict::kNoOverlap; }
@@ -35,17 +37,43 @@ struct GlobalStart {
   }
 };
 
-inline GlobalStart find_global_start(const PointCloud& source, const PointCloud& target,
-                                     const Eigen::Vector3d& up, double voxel, double epsilon) {
-  GlobalStart start;
-  DescriptionOptions description;
-  // Thinning by less than what the description takes makes it no better.
-  description.voxel = std::max(description_voxel(target), voxel);
-  CloudRegistrationOptions options;
-  options.epsilon = epsilon;
-  start.registration = register_raw_clouds(source, target, up, description, options, &start.timing);
-  return start;
-}
+/// Registers clouds that come one after the other, each to the one before it.
+class GlobalSearch {
+ public:
+  GlobalSearch(const Eigen::Vector3d& up, double voxel, double epsilon) : up_(up), voxel_(voxel) {
+    options_.epsilon = epsilon;
+  }
+
+  /// `target` is the source of the last call, if there was one: its description will do, unless the scene now
+  /// wants quite another voxel.
+  GlobalStart next(const PointCloud& source, const PointCloud& target) {
+    constexpr double kAnotherVoxel = 1.25;
+    GlobalStart start;
+    // Thinning by less than what the description takes makes it no better.
+    const double voxel = std::max(description_voxel(target), voxel_);
+    const double ratio = known_ ? known_->voxel / voxel : 0;
+    if (!(ratio > 1 / kAnotherVoxel && ratio < kAnotherVoxel)) known_ = described(target, voxel, &start);
+    CloudDescription of_source = described(source, known_->voxel, &start);
+    start.registration = register_levelled(of_source, *known_, up_, options_);
+    known_ = std::move(of_source);
+    return start;
+  }
+
+ private:
+  CloudDescription described(const PointCloud& cloud, double voxel, GlobalStart* start) const {
+    DescriptionOptions options;
+    options.voxel = voxel;
+    CloudDescription description = describe_levelled(cloud, up_, options);
+    start->keypoints_ms += description.points_ms + description.keypoints_ms;
+    start->features_ms += description.features_ms;
+    return description;
+  }
+
+  Eigen::Vector3d up_;
+  double voxel_;  // metres, at least
+  CloudRegistrationOptions options_;
+  std::optional<CloudDescription> known_;  // of the next target
+};
 
 inline void add_global(const GlobalStart& start, nlohmann::ordered_json* json) {
   const CloudRegistration& r = start.registration;
@@ -64,8 +92,8 @@ inline void add_global(const GlobalStart& start, nlohmann::ordered_json* json) {
   (*json)["nodes"] = r.nodes;
   (*json)["overlap"] = r.fit.overlap;
   (*json)["contradiction"] = r.fit.contradiction;
-  (*json)["ms"]["keypoints"] = start.timing.keypoints_ms;
-  (*json)["ms"]["features"] = start.timing.features_ms;
+  (*json)["ms"]["keypoints"] = start.keypoints_ms;
+  (*json)["ms"]["features"] = start.features_ms;
   (*json)["ms"]["matching"] = r.matching_ms;
   (*json)["ms"]["pruning"] = r.pruning_ms;
   (*json)["ms"]["search"] = r.search_ms;

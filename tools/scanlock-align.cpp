@@ -68,12 +68,18 @@ double rmse(const PointCloud& cloud, const Pose& a, const Pose& b) {
   return n > 0 ? std::sqrt(sum / static_cast<double>(n)) : 0.0;
 }
 
-Json result_json(const AlignOptions& options, const CloudAlignment& result, std::size_t source,
-                 std::size_t target, double voxel, const Milliseconds& ms) {
+/// Points that were aligned, and by what they were thinned (metres).
+struct RunSizes {
+  std::size_t source = 0, target = 0;
+  double voxel = 0;
+};
+
+Json result_json(const AlignOptions& options, const CloudAlignment& result, const RunSizes& sizes,
+                 const Milliseconds& ms) {
   return {{"method", options.method},
           {"transform", row_major(result.target_from_source.matrix())},
-          {"points", {source, target}},
-          {"voxel", voxel},
+          {"points", {sizes.source, sizes.target}},
+          {"voxel", sizes.voxel},
           {"iterations", result.iterations},
           {"sweeps", result.sweeps},
           {"stop_reason", result.stop_reason},
@@ -107,66 +113,75 @@ CloudTarget make_target(const AlignOptions& options, const PointCloud& cloud) {
   }
 }
 
-void run(const AlignOptions& options) {
-  const std::string refining = refining_method(options.method);
-  const CloudMethod method = refining.empty() ? CloudMethod{} : *find_cloud_method(refining);
-  Stopwatch whole, watch;
-  Milliseconds ms;
-  PointCloud source_file = read_cloud(options.source), target_file = read_cloud(options.target);
-  Pose start = options.init.empty() ? Pose::Identity() : read_transform(options.init);
-  ms.read = watch.lap();
-  std::optional<GlobalStart> global;
-  if (is_global(options.method)) {
-    global = find_global_start(source_file, target_file, Eigen::Vector3d(options.up.data()), options.voxel,
-                               options.epsilon);
-    if (refining.empty() || global->found()) start = global->pose(!refining.empty());
-  }
-  const double global_ms = watch.lap();
-  if (options.output.empty()) source_file.intensity = {};
-  target_file.intensity = {};
+/// What a method of ICP makes of a start. Takes the memory of the target back unless a picture needs it.
+CloudAlignment refine(const AlignOptions& options, const CloudMethod& method, const PointCloud& source_file,
+                      PointCloud& target_file, const Pose& start, const GlobalStart* global, RunSizes* sizes,
+                      Milliseconds* ms) {
+  Stopwatch watch;
   const double voxel = options.voxel >= 0 ? options.voxel : sensible_voxel(target_file);
   const PointCloud thin_source = voxel > 0 ? thinned_by(source_file, voxel) : PointCloud{};
   const PointCloud thin_target = voxel > 0 ? thinned_by(target_file, voxel) : PointCloud{};
   const PointCloud& source = voxel > 0 ? thin_source : source_file;
   const PointCloud& target_cloud = voxel > 0 ? thin_target : target_file;
   CloudTarget target = make_target(options, target_cloud);
-  const std::size_t target_points = target_cloud.size();
+  *sizes = {source.size(), target_cloud.size(), voxel};
   if (options.picture.empty()) target_file = PointCloud{};  // the target has its own copy
-  ms.index = watch.lap();
+  ms->index = watch.lap();
   if (method.needs_normals() || global)
     target.prepare_normals(options.threads, nullptr, CloudTarget::normal_neighbours(voxel));
-  ms.normals = watch.lap();
+  ms->normals = watch.lap();
   CloudAlignmentOptions alignment = alignment_options(options);
   alignment.voxel = voxel;
-  std::optional<ProgressBar> bar(std::in_place, "aligning");
-  alignment.progress = [&](double share) { bar->update(static_cast<std::uint64_t>(1000 * share), 1000); };
+  ProgressBar bar("aligning");
+  alignment.progress = [&](double share) { bar.update(static_cast<std::uint64_t>(1000 * share), 1000); };
   if (global && global->found()) {
     alignment.start_may_be_better = true;
     if (!(options.nu_max > 0)) alignment.nu_max = global->registration.epsilon;
   }
-  CloudAlignment result;
   try {
-    if (refining.empty()) {
-      result.target_from_source = start;
-      result.stop_reason = verdict_name(global->registration.verdict);
-    } else {
-      result = align_clouds(source, target, start, method, alignment);
-    }
+    const CloudAlignment result = align_clouds(source, target, start, method, alignment);
+    ms->solve += watch.lap();
+    return result;
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(options.source + ": " + error.what());
   }
-  bar.reset();
-  ms.solve = global_ms + watch.lap();
+}
+
+void run(const AlignOptions& options) {
+  const std::string refining = refining_method(options.method);
+  Stopwatch whole, watch;
+  Milliseconds ms;
+  PointCloud source = read_cloud(options.source), target = read_cloud(options.target);
+  Pose start = options.init.empty() ? Pose::Identity() : read_transform(options.init);
+  ms.read = watch.lap();
+  std::optional<GlobalStart> global;
+  if (is_global(options.method)) {
+    global =
+        GlobalSearch(Eigen::Vector3d(options.up.data()), options.voxel, options.epsilon).next(source, target);
+    if (refining.empty() || global->found()) start = global->pose(!refining.empty());
+  }
+  ms.solve = watch.lap();
+  if (options.output.empty()) source.intensity = {};
+  target.intensity = {};
+  RunSizes sizes{source.size(), target.size(), options.voxel > 0 ? options.voxel : 0};
+  CloudAlignment result;
+  if (refining.empty()) {
+    result.target_from_source = start;
+    result.stop_reason = verdict_name(global->registration.verdict);
+  } else {
+    result = refine(options, *find_cloud_method(refining), source, target, start, global ? &*global : nullptr,
+                    &sizes, &ms);
+  }
   ms.total = whole.lap();
-  Json json = result_json(options, result, source.size(), target_points, voxel, ms);
+  Json json = result_json(options, result, sizes, ms);
   if (global) add_global(*global, &json);
   if (!options.truth.empty())
-    add_truth(source_file, result.target_from_source, read_transform(options.truth), &json);
-  if (!options.output.empty()) write_cloud(options.output, moved(source_file, result.target_from_source));
+    add_truth(source, result.target_from_source, read_transform(options.truth), &json);
+  if (!options.output.empty()) write_cloud(options.output, moved(source, result.target_from_source));
   if (!options.picture.empty()) {
     write_file_bytes(options.picture,
-                     alignment_svg({moved(source_file, start), moved(source_file, result.target_from_source),
-                                    target_file, options.method}));
+                     alignment_svg({moved(source, start), moved(source, result.target_from_source), target,
+                                    options.method}));
   }
   print_result(json, options.json);
 }

@@ -87,6 +87,7 @@ MatchRegistration Registrar::search(const Matches& matches, bool runner_up) cons
   search.max_nodes = options_.max_nodes;
   search.budget_s = options_.budget_s;
   search.runner_up = runner_up;
+  search.weak_runner_up = !options_.judged;  // the clouds refute those anyway
   search.rival_distance = kRivalEpsilons * result_.epsilon;
   search.rival_angle = kRivalAngle;
   return search_attitudes(matches, search, options_.target_ups, centre_);
@@ -196,7 +197,8 @@ void Registrar::attempt(const CloudDescription& source, const CloudDescription& 
   }
   add_hypothesis(result_.solution.target_from_source, result_.solution.consensus);
   // One that half as many matches hold is no rival, and comparing clouds costs more than the search.
-  if (result_.solution.consensus < kNoRival * result_.solution.runner_up_bound)
+  if (result_.solution.runner_up_consensus > 0 &&
+      result_.solution.consensus < kNoRival * result_.solution.runner_up_bound)
     add_hypothesis(result_.solution.runner_up, result_.solution.runner_up_consensus);
   judge();
   if (result_.verdict == GlobalVerdict::kCertain) return;
@@ -207,8 +209,8 @@ void Registrar::attempt(const CloudDescription& source, const CloudDescription& 
 std::string Registrar::numbers() const {
   const MatchRegistration& s = result_.solution;
   char text[200];
-  int length = std::snprintf(text, sizeof text, "%d of %zu matches agree, next %d", s.consensus, s.matches,
-                             s.runner_up_consensus);
+  int length = std::snprintf(text, sizeof text, "%d of %zu matches agree, elsewhere at most %d", s.consensus,
+                             s.matches, s.runner_up_bound);
   if (!hypotheses_.empty()) {
     std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
                   "; %.0f %% of the surfaces overlap, %.1f %% contradict", 100 * result_.fit.overlap,
@@ -367,30 +369,32 @@ CloudRegistration register_clouds(const CloudDescription& source, const CloudDes
   return Registrar(source, target, options).run();
 }
 
-CloudRegistration register_raw_clouds(const PointCloud& source, const PointCloud& target,
-                                      const Eigen::Vector3d& up, const DescriptionOptions& description,
-                                      const CloudRegistrationOptions& options, DescriptionTiming* timing) {
+CloudDescription describe_levelled(const PointCloud& cloud, const Eigen::Vector3d& up,
+                                   const DescriptionOptions& options) {
   if (!up.allFinite() || !(up.norm() > 0))
-    throw std::invalid_argument("register_raw_clouds: up must be finite and not 0 0 0");
+    throw std::invalid_argument("describe_levelled: up must be finite and not 0 0 0");
   const Eigen::Matrix3d level = level_rotation(up);
-  const bool level_already = level.isIdentity(1e-12);
-  DescriptionOptions common = description;
-  if (!(common.voxel > 0)) common.voxel = description_voxel(target);
-  const auto described = [&](const PointCloud& cloud) {
-    CloudDescription result = describe(level_already ? cloud : moved(cloud, Pose(level)), common);
-    if (timing) {
-      timing->keypoints_ms += result.points_ms + result.keypoints_ms;
-      timing->features_ms += result.features_ms;
-    }
-    return result;
-  };
-  const CloudDescription of_source = described(source), of_target = described(target);
-  CloudRegistration result = register_clouds(of_source, of_target, options);
+  return describe(level.isIdentity(1e-12) ? cloud : moved(cloud, Pose(level)), options);
+}
+
+CloudRegistration register_levelled(const CloudDescription& source, const CloudDescription& target,
+                                    const Eigen::Vector3d& up, const CloudRegistrationOptions& options) {
+  CloudRegistration result = register_clouds(source, target, options);
+  const Pose level(level_rotation(up));
   for (Pose* pose : {&result.start, &result.target_from_source, &result.solution.target_from_source,
                      &result.solution.runner_up}) {
-    *pose = Pose(level.transpose()) * *pose * Pose(level);
+    *pose = level.inverse() * *pose * level;
   }
   return result;
+}
+
+CloudRegistration register_raw_clouds(const PointCloud& source, const PointCloud& target,
+                                      const Eigen::Vector3d& up, const DescriptionOptions& description,
+                                      const CloudRegistrationOptions& options) {
+  DescriptionOptions common = description;
+  if (!(common.voxel > 0)) common.voxel = description_voxel(target);
+  return register_levelled(describe_levelled(source, up, common), describe_levelled(target, up, common), up,
+                           options);
 }
 
 }  // namespace scanlock

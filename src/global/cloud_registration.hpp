@@ -65,16 +65,17 @@ struct CloudRegistration {
 CloudRegistration register_clouds(const CloudDescription& source, const CloudDescription& target,
                                   const CloudRegistrationOptions& options = {});
 
-/// The same from clouds as they come, in frames whose origins are where their sensors stood and that share
-/// the direction `up` (any length but 0). `description.voxel` 0: from the target. The poses are
-/// between the clouds' own frames; ms of the description are given in `timing`. Throws std::invalid_argument
-/// for an option out of range.
-struct DescriptionTiming {
-  double keypoints_ms = 0, features_ms = 0;  ///< CPU, of both clouds
-};
+/// describe() of a cloud as it comes, in a frame whose origin is where its sensor stood, levelled by the
+/// direction `up` in it (any length but 0; else throws std::invalid_argument).
+CloudDescription describe_levelled(const PointCloud& cloud, const Eigen::Vector3d& up,
+                                   const DescriptionOptions& options);
+/// register_clouds() of two such; the poses are between the clouds' own frames.
+CloudRegistration register_levelled(const CloudDescription& source, const CloudDescription& target,
+                                    const Eigen::Vector3d& up, const CloudRegistrationOptions& options = {});
+
+/// Both at once. `description.voxel` 0: from the target.
 CloudRegistration register_raw_clouds(const PointCloud& source, const PointCloud& target,
-                                      const Eigen::Vector3d& up, const DescriptionOptions& description,
-                                      const CloudRegistrationOptions& options,
-                                      DescriptionTiming* timing = nullptr);
+                                      const Eigen::Vector3d& up, const DescriptionOptions& description = {},
+                                      const CloudRegistrationOptions& options = {});
 
 }  // namespace scanlock

@@ -99,19 +99,24 @@ SearchLimits limits_of(const MatchRegistrationOptions& options) {
   return limits;
 }
 
-/// First a pose by a little best-first search, then a bound on all others. A rival of less than half the
-/// consensus is none, so the bound need not come below that; and the effort is bounded, for the runner-up is
-/// harder to prove than the answer.
+/// First a pose by a little best-first search, if weak ones are wanted, then a bound on all others. A rival
+/// of less than half the consensus is none, so the bound need not come below that; and the effort is bounded,
+/// for the runner-up is harder to prove than the answer.
 void find_runner_up(const LevelMatches& matches, const LevelPose& first,
                     const MatchRegistrationOptions& options, SearchLimits limits, std::size_t work,
                     const Frame& frame, MatchRegistration& result) {
   constexpr std::size_t kLeastWork = 200'000, kMostWork = 4'000'000;
   const ExcludedPoses excluded{first, options.rival_angle, options.rival_distance};
   Incumbent rival;
-  limits.work = kLeastWork;
-  const SearchResult quick = search_poses(matches, rival, limits, excluded);
-  int bound = quick.upper_bound;
-  if (!quick.finished) {
+  int bound = result.upper_bound;
+  bool finished = false;
+  if (options.weak_runner_up) {
+    limits.work = kLeastWork;
+    const SearchResult quick = search_poses(matches, rival, limits, excluded);
+    bound = quick.upper_bound;
+    finished = quick.finished;
+  }
+  if (!finished) {
     Incumbent better = rival;
     better.consensus = std::max(rival.consensus, result.consensus / 2);
     const int known = better.consensus;

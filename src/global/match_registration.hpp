@@ -29,6 +29,7 @@ struct MatchRegistrationOptions {
   /// Called now and then with what is found and what may be at most, for a progress bar; may be empty.
   std::function<void(int consensus, int upper_bound)> progress;
   bool runner_up = true;                       ///< look for the runner-up
+  bool weak_runner_up = true;                  ///< also for one of less than half the consensus, a little
   double rival_distance = 1.0;                 ///< metres, at the centre of the source points
   double rival_angle = 0.0872664625997164788;  ///< radians
 };

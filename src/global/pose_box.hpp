@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -33,14 +34,25 @@ class BoxFilter {
   /// Replaces `kept` by the possible ones of `list`.
   BoxCounts filter(const PoseBox& box, const std::vector<std::uint32_t>& list,
                    std::vector<std::uint32_t>& kept);
+  /// Shrinks the box to where so many of the matches, all of them possible, can meet: along each axis a match
+  /// leaves an interval, and the box need not reach beyond where enough of these overlap. False when that is
+  /// nowhere.
+  bool contract(const std::vector<std::uint32_t>& list, int wanted, PoseBox& box);
 
  private:
+  void set_angles(double theta, double half_theta);
+  void measure(const PoseBox& box, const std::vector<std::uint32_t>& list);
   struct Packed {
     double px, py, qx, qy, dz, bounding2, counting2, lever;
+    float reach, shrink, inverse, inverse2;  // the bounding limit, half of 1 / that, 1 / lever, 1 / lever^2
   };
   std::vector<Packed> matches_;
   // Of the last box, for its sister often has the same angles.
   double theta_ = 0, half_theta_ = 0, cos_ = 1, sin_ = 0, across_ = 0, along_ = 0;
+  // Of contract(), for x, y, z and theta: an interval about the centre of the box for each match, and its
+  // bins.
+  std::array<std::vector<float>, 4> middle_, reach_;
+  std::array<std::vector<std::int32_t>, 4> first_, last_;
 };
 
 /// Half of the longest side, metres; angles are measured by what they move at `lever` from the axis.

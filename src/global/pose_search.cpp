@@ -14,6 +14,9 @@
 namespace scanlock {
 namespace {
 
+constexpr int kSlabSectors = 8;
+constexpr double kSlabHeight = 9;  // thresholds
+
 class Search {
  public:
   Search(const LevelMatches& matches, Incumbent& best, const SearchLimits& limits,
@@ -42,8 +45,10 @@ class Search {
   void divide_box(Node& node);
   void look_for_conflicts(Node& node);
   bool matters(const PoseBox& box, double lever) const;
+  void seed();
+  double slab_cell() const { return std::max(2 * kPi / kSlabSectors * lever_, voting_.smallest_cell()); }
+  void dive(const Sector& sector, int bound);
   void dive(const VotedCell& cell);
-  void search_nearby();
   void offer(const LevelPose& pose, int consensus, const std::vector<std::uint32_t>& held);
   void keep(const std::vector<std::uint32_t>& matches);
   bool all_kept(const std::vector<std::uint32_t>& matches) const;
@@ -79,7 +84,7 @@ void Search::measure() {
 
 /// Slabs over all heights that a pose of some consensus can have.
 void Search::open_slabs() {
-  const double height = 3 * m_.largest_threshold;
+  const double height = kSlabHeight * m_.largest_threshold;
   const double outside = m_.largest_threshold * (1 + kRelativeTolerance) + 2 * m_.rounding;
   const double half = 0.5 * height * (1 + 1e-6) + 2 * m_.rounding;  // overlapping
   for (double z = m_.dz.front() - outside; z <= m_.dz.back() + outside;) {
@@ -109,7 +114,7 @@ void Search::push_sector(const PoseBox& slab, double theta, double half_theta, d
   node.bound = voting_.vote({slab.centre.z, slab.half_z, theta, half_theta, cell});
   if (node.bound < wanted()) return;
   voting_.open_matches(wanted(), node.matches);
-  node.members = voting_.members(wanted());
+  voting_.heights(wanted(), node.box.centre.z, node.box.half_z);
   open_.push(std::move(node));
 }
 
@@ -129,13 +134,10 @@ int Search::pieces(const Node& sector, std::size_t matches) const {
 
 void Search::divide_slab(const Node& node) {
   const std::size_t n = voting_.load_slab(node.box.centre.z, node.box.half_z);
-  constexpr int sectors = 8;
-  result_.work += n * static_cast<std::size_t>(sectors);
-  const double half = kPi / sectors;
-  for (int k = 0; k < sectors; ++k) {
-    push_sector(node.box, (2 * k + 1) * half, half * (1 + 1e-12),
-                std::max(2 * half * lever_, voting_.smallest_cell()));
-  }
+  result_.work += n * static_cast<std::size_t>(kSlabSectors);
+  const double half = kPi / kSlabSectors;
+  for (int k = 0; k < kSlabSectors; ++k)
+    push_sector(node.box, (2 * k + 1) * half, half * (1 + 1e-12), slab_cell());
 }
 
 void Search::divide_sector(const Node& node) {
@@ -145,21 +147,13 @@ void Search::divide_sector(const Node& node) {
   const Sector sector{node.box.centre.z, node.box.half_z, node.box.centre.theta, node.box.half_theta,
                       node.cell};
   const bool diving = node.bound > best_.consensus && dives_ < kDives;
-  const bool gathering = node.cell <= voting_.smallest_cell() || node.members <= kFew;
+  const bool gathering = node.cell <= voting_.smallest_cell() || n <= kFew;
   if (diving || gathering) {
     voting_.vote(sector);
     result_.work += n;
   }
   if (diving) {
-    ++dives_;
-    const int before = best_.consensus;
-    voting_.gather(sector, node.bound, cells_);
-    if (!cells_.empty()) {
-      dive(*std::max_element(cells_.begin(), cells_.end(), [](const VotedCell& a, const VotedCell& b) {
-        return a.matches.size() < b.matches.size();
-      }));
-    }
-    if (best_.consensus > before && !excluded_ && limits_.nearby) search_nearby();
+    dive(sector, node.bound);
     if (node.bound < wanted()) return;
   }
   if (gathering && voting_.gather(sector, wanted(), cells_)) {
@@ -215,6 +209,7 @@ void Search::look_for_conflicts(Node& node) {
 
 void Search::divide_box(Node& node) {
   PoseBox halves[2];
+  if (!filter_.contract(node.matches, wanted(), node.box)) return;
   look_for_conflicts(node);
   if (node.bound < wanted()) return;
   if (!matters(node.box, node.lever)) {
@@ -245,6 +240,49 @@ void Search::divide_box(Node& node) {
   }
 }
 
+/// Without a pose nothing closes: goes down the fullest sectors of the fullest slab before all else.
+void Search::seed() {
+  const Node slab = open_.pop();
+  std::size_t n = voting_.load_slab(slab.box.centre.z, slab.box.half_z);
+  Sector fullest{slab.box.centre.z, slab.box.half_z, kPi, kPi, kSlabSectors * slab_cell()};
+  constexpr double kFine = 4;
+  std::vector<std::uint32_t> matches;
+  while (n > 0) {
+    Sector sector = fullest;
+    sector.half_theta = fullest.half_theta / kSlabSectors;
+    sector.cell = std::max(fullest.cell / kSlabSectors, voting_.smallest_cell());
+    int most = 0;
+    for (int k = 0; k < kSlabSectors; ++k) {
+      Sector part = sector;
+      part.theta = fullest.theta + (2 * k + 1 - kSlabSectors) * sector.half_theta;
+      const int bound = voting_.vote(part);
+      if (bound <= most) continue;
+      most = bound;
+      sector.theta = part.theta;
+    }
+    result_.work += n * static_cast<std::size_t>(kSlabSectors);
+    voting_.vote(sector);
+    if (sector.cell <= kFine * voting_.smallest_cell()) {
+      dive(sector, most);
+      break;
+    }
+    voting_.open_matches(most, matches);
+    n = voting_.load(matches, sector.z, sector.half_z);
+    fullest = sector;
+  }
+  open_.push(slab);
+}
+
+void Search::dive(const Sector& sector, int bound) {
+  ++dives_;
+  voting_.gather(sector, bound, cells_);
+  if (!cells_.empty()) {
+    dive(*std::max_element(cells_.begin(), cells_.end(), [](const VotedCell& a, const VotedCell& b) {
+      return a.matches.size() < b.matches.size();
+    }));
+  }
+}
+
 /// Goes down the fuller halves.
 void Search::dive(const VotedCell& cell) {
   PoseBox box = cell.box, halves[2];
@@ -266,28 +304,6 @@ void Search::dive(const VotedCell& cell) {
   }
   if (static_cast<int>(matches.size()) <= best_.consensus) return;
   offer(fit(m_, matches), 0, matches);
-}
-
-/// A short search among the matches near the incumbent: what it gains, all bounds gain.
-void Search::search_nearby() {
-  constexpr double kNear = 2;            // thresholds
-  constexpr std::size_t kWork = 60'000;  // matches looked at
-  const double c = std::cos(best_.pose.theta), s = std::sin(best_.pose.theta);
-  const double reach = kNear * m_.largest_threshold;
-  const auto [first, last] = height_range(m_, best_.pose.z - reach, best_.pose.z + reach);
-  std::vector<std::uint32_t> near;
-  for (std::size_t i = first; i < last; ++i) {
-    const double x = m_.qx[i] - (c * m_.px[i] - s * m_.py[i]) - best_.pose.x;
-    const double y = m_.qy[i] - (s * m_.px[i] + c * m_.py[i]) - best_.pose.y;
-    if (x * x + y * y <= reach * reach) near.push_back(static_cast<std::uint32_t>(i));
-  }
-  if (static_cast<int>(near.size()) <= best_.consensus) return;
-  SearchLimits limits;
-  limits.work = kWork;
-  limits.nearby = false;
-  Incumbent found = best_;
-  result_.work += search_poses(select(m_, near), found, limits).work;
-  offer(found.pose, consensus(m_, found.pose), near);
 }
 
 void Search::offer(const LevelPose& pose, int count, const std::vector<std::uint32_t>& held) {
@@ -324,6 +340,7 @@ SearchResult Search::run() {
     if (pruning_) keep(inliers(m_, best_.pose));
     measure();
     open_slabs();
+    if (!excluded_ && (pruning_ || best_.consensus == 0)) seed();
   }
   while (!open_.empty() && open_.highest_bound() >= wanted()) {
     if (out_of_budget()) {

@@ -20,7 +20,6 @@ struct SearchLimits {
   std::size_t work = std::numeric_limits<std::size_t>::max();  ///< matches looked at
   std::size_t list_entries = 100'000'000;                      ///< match indices in open nodes, 4 bytes each
   std::function<void(int consensus, int upper_bound)> progress;  ///< called now and then, unless empty
-  bool nearby = true;  ///< may spend a short search on the matches near a new incumbent
 };
 
 struct SearchResult {

@@ -18,10 +18,9 @@ enum class NodeKind { kSlab, kSector, kBox };
 struct Node {
   int bound = 0;
   NodeKind kind = NodeKind::kSlab;
-  PoseBox box;              // a slab has z, a sector also theta
-  double cell = 0;          // of a sector
-  std::size_t members = 0;  // of a sector: matches in its open cells, cell by cell
-  double lever = 0;         // of a box
+  PoseBox box;       // a slab has z, a sector also theta
+  double cell = 0;   // of a sector
+  double lever = 0;  // of a box
   // Of a box: when conflicts were looked for, last.
   int tried_drops = std::numeric_limits<int>::max(), iterations = 0;
   double tried_size = std::numeric_limits<double>::infinity();

@@ -41,6 +41,25 @@ std::size_t SectorVoting::load_one(std::size_t k, std::uint32_t i, double z, dou
   return k + (square >= 0);
 }
 
+/// Which lanes of height can hold each match.
+void SectorVoting::set_lanes(double z, double half_z) {
+  z_ = z;
+  half_z_ = half_z;
+  lanes_ = few() ? VoteTable<std::int16_t>::kLanes : VoteTable<std::int32_t>::kLanes;
+  const double half = half_z / lanes_;
+  votes_.assign(matches_.size(), 0);
+  for (int lane = 0; lane < lanes_; ++lane) {
+    const double centre = z - half_z + (2 * lane + 1) * half;
+    const std::uint64_t vote =
+        few() ? VoteTable<std::int16_t>::vote_in(lane) : VoteTable<std::int32_t>::vote_in(lane);
+    for (std::size_t k = 0; k < matches_.size(); ++k) {
+      const std::uint32_t i = matches_[k];
+      const double limit = bounding_limit(m_, i) + half * (1 + 1e-9) + m_.rounding;
+      votes_[k] |= std::abs(m_.dz[i] - centre) <= limit ? vote : 0;
+    }
+  }
+}
+
 std::size_t SectorVoting::load_slab(double z, double half_z) {
   const double outside = m_.largest_threshold * (1 + kRelativeTolerance) + m_.rounding;
   const auto [first, last] = height_range(m_, z - half_z - outside, z + half_z + outside);
@@ -48,6 +67,7 @@ std::size_t SectorVoting::load_slab(double z, double half_z) {
   std::size_t n = 0;
   for (std::size_t i = first; i < last; ++i) n = load_one(n, static_cast<std::uint32_t>(i), z, half_z);
   resize(n);
+  set_lanes(z, half_z);
   return n;
 }
 
@@ -56,6 +76,7 @@ std::size_t SectorVoting::load(const std::vector<std::uint32_t>& matches, double
   std::size_t n = 0;
   for (const std::uint32_t i : matches) n = load_one(n, i, z, half_z);
   resize(n);
+  set_lanes(z, half_z);
   return n;
 }
 
@@ -81,41 +102,62 @@ void SectorVoting::find_spans(const Sector& sector) {
   }
 }
 
-int SectorVoting::vote(const Sector& sector) {
-  find_spans(sector);
-  table_.fill(0);
-  std::uint32_t most = 0;
-  const std::size_t n = matches_.size();
-  for (std::size_t k = 0; k < n; ++k) {
+template <typename Lane>
+int SectorVoting::vote(VoteTable<Lane>& table) {
+  table.clear();
+  for (std::size_t k = 0; k < matches_.size(); ++k) {
     const std::int32_t i0 = i0_[k], j0 = j0_[k], i1 = i1_[k], j1 = j1_[k];
-    if (i1 - i0 <= 1 && j1 - j0 <= 1) {  // nearly all; a loop would be mispredicted at every end
-      const auto right = static_cast<std::uint32_t>(i1 - i0), up = static_cast<std::uint32_t>(j1 - j0);
-      const std::uint32_t a = table_[slot(i0, j0)] += 1, b = table_[slot(i0 + 1, j0)] += right,
-                          c = table_[slot(i0, j0 + 1)] += up, d = table_[slot(i0 + 1, j0 + 1)] += right & up;
-      most = std::max({most, a, b, c, d});
+    const std::uint64_t vote = votes_[k];
+    if (i1 - i0 <= 1 && j1 - j0 <= 1) {  // most; a loop would be mispredicted at every end
+      const std::uint64_t right = i1 > i0 ? vote : 0, up = j1 > j0 ? vote : 0;
+      table.add(table.slot(i0, j0), vote);
+      table.add(table.slot(i0 + 1, j0), right);
+      table.add(table.slot(i0, j0 + 1), up);
+      table.add(table.slot(i0 + 1, j0 + 1), right & up);
       continue;
     }
     const std::int32_t last_i = std::min(i1, i0 + kSide - 1), last_j = std::min(j1, j0 + kSide - 1);
     for (std::int32_t j = j0; j <= last_j; ++j) {
-      for (std::int32_t i = i0; i <= last_i; ++i) most = std::max(most, ++table_[slot(i, j)]);
+      for (std::int32_t i = i0; i <= last_i; ++i) table.add(table.slot(i, j), vote);
     }
   }
-  return static_cast<int>(most);
+  const auto most = table.most();
+  std::copy(most.begin(), most.end(), most_.begin());
+  return *std::max_element(most.begin(), most.end());
 }
 
-void SectorVoting::open_matches(int at_least, std::vector<std::uint32_t>& matches) const {
-  matches.clear();
-  const auto least = static_cast<std::uint32_t>(at_least);
+int SectorVoting::vote(const Sector& sector) {
+  find_spans(sector);
+  return few() ? vote(table_) : vote(wide_table_);
+}
+
+void SectorVoting::heights(int at_least, double& z, double& half_z) const {
+  int first = lanes_, last = -1;
+  for (int lane = 0; lane < lanes_; ++lane) {
+    if (most_[static_cast<std::size_t>(lane)] < at_least) continue;
+    first = std::min(first, lane);
+    last = lane;
+  }
+  z = z_ + half_z_ * (first + last + 1 - lanes_) / lanes_;
+  half_z = half_z_ * (last + 1 - first) / lanes_ * (1 + 1e-12) + m_.rounding;
+}
+
+template <typename Lane>
+void SectorVoting::open_matches(VoteTable<Lane>& table, int at_least,
+                                std::vector<std::uint32_t>& matches) const {
+  table.mark(at_least);
   const auto is_open = [&](std::size_t k) {
+    const std::uint64_t vote = votes_[k];
     if (i1_[k] - i0_[k] <= 1 && j1_[k] - j0_[k] <= 1) {
-      const bool a = table_[slot(i0_[k], j0_[k])] >= least, b = table_[slot(i1_[k], j0_[k])] >= least,
-                 c = table_[slot(i0_[k], j1_[k])] >= least, d = table_[slot(i1_[k], j1_[k])] >= least;
-      return static_cast<bool>(a | b | c | d);
+      return (table.marked(table.slot(i0_[k], j0_[k]), vote) |
+              table.marked(table.slot(i1_[k], j0_[k]), vote) |
+              table.marked(table.slot(i0_[k], j1_[k]), vote) |
+              table.marked(table.slot(i1_[k], j1_[k]), vote)) != 0;
     }
     const std::int32_t i1 = std::min(i1_[k], i0_[k] + kSide - 1), j1 = std::min(j1_[k], j0_[k] + kSide - 1);
     for (std::int32_t j = j0_[k]; j <= j1; ++j) {
       for (std::int32_t i = i0_[k]; i <= i1; ++i) {
-        if (table_[slot(i, j)] >= least) return true;
+        if (table.marked(table.slot(i, j), vote)) return true;
       }
     }
     return false;
@@ -129,17 +171,15 @@ void SectorVoting::open_matches(int at_least, std::vector<std::uint32_t>& matche
   matches.resize(count);
 }
 
-std::size_t SectorVoting::members(int at_least) const {
-  std::size_t sum = 0;
-  for (const std::uint32_t count : table_) sum += count >= static_cast<std::uint32_t>(at_least) ? count : 0;
-  return sum;
+void SectorVoting::open_matches(int at_least, std::vector<std::uint32_t>& matches) {
+  few() ? open_matches(table_, at_least, matches) : open_matches(wide_table_, at_least, matches);
 }
 
-bool SectorVoting::gather(const Sector& sector, int at_least, std::vector<VotedCell>& cells) {
-  cells.clear();
+template <typename Lane>
+void SectorVoting::collect_entries(VoteTable<Lane>& table, int at_least) {
   entries_.clear();
   wide_.clear();
-  const auto least = static_cast<std::uint32_t>(std::max(at_least, 1));
+  table.mark(at_least);
   for (std::size_t k = 0; k < matches_.size(); ++k) {
     if (is_wide(k)) {
       wide_.push_back(matches_[k]);
@@ -147,12 +187,19 @@ bool SectorVoting::gather(const Sector& sector, int at_least, std::vector<VotedC
     }
     for (std::int32_t j = j0_[k]; j <= j1_[k]; ++j) {
       for (std::int32_t i = i0_[k]; i <= i1_[k]; ++i) {
-        if (table_[slot(i, j)] < least) continue;
+        if (!table.marked(table.slot(i, j), votes_[k])) continue;
         const std::uint64_t cell = static_cast<std::uint64_t>(j) << 32 | static_cast<std::uint32_t>(i);
         entries_.push_back({cell, matches_[k]});
       }
     }
   }
+}
+
+bool SectorVoting::gather(const Sector& sector, int at_least, std::vector<VotedCell>& cells) {
+  cells.clear();
+  const auto least = static_cast<std::size_t>(std::max(at_least, 1));
+  few() ? collect_entries(table_, std::max(at_least, 1))
+        : collect_entries(wide_table_, std::max(at_least, 1));
   if (wide_.size() >= least) return false;
   std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
     return a.cell != b.cell ? a.cell < b.cell : a.match < b.match;

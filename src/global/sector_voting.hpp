@@ -8,6 +8,7 @@
 
 #include "global/matches.hpp"
 #include "global/pose_box.hpp"
+#include "global/vote_table.hpp"
 
 namespace scanlock {
 
@@ -27,7 +28,8 @@ struct VotedCell {
 /// Bounds whole sectors of poses at once: each match votes for every cell of horizontal translations in which
 /// some angle and height of the sector holds it, so the fullest cell bounds the consensus in the sector. This
 /// costs some nanoseconds a match, without a sort or an angle, and does not depend on how many matches there
-/// are in a cell. Cells share a small table, (i, j) modulo its side: sharing only raises a count.
+/// are in a cell. Heights are told apart at no cost, for a cell has a count for each of a few lanes of the
+/// slab. Cells share a small table, (i, j) modulo its side: sharing only raises a count.
 class SectorVoting {
  public:
   explicit SectorVoting(const LevelMatches& matches);
@@ -41,19 +43,16 @@ class SectorVoting {
   std::size_t load(const std::vector<std::uint32_t>& matches, double z, double half_z);
   /// The bound of a sector of the slab.
   int vote(const Sector& sector);
+  /// Of the last vote: the heights, within the slab, where the bound is at least so much.
+  void heights(int at_least, double& z, double& half_z) const;
   /// The matches that voted, the last time, for a cell of at least so many.
-  void open_matches(int at_least, std::vector<std::uint32_t>& matches) const;
-  /// How many matches stand in the cells of the last vote with at least so many, cell by cell.
-  std::size_t members(int at_least) const;
+  void open_matches(int at_least, std::vector<std::uint32_t>& matches);
   /// The cells, of the last vote, of at least so many matches. Nothing and false when as many matches as that
   /// sweep far over the cells, for the sector is too wide for their distance from the axis.
   bool gather(const Sector& sector, int at_least, std::vector<VotedCell>& cells);
 
  private:
-  static constexpr int kSide = 64;
-  static std::uint32_t slot(std::int32_t i, std::int32_t j) {
-    return static_cast<std::uint32_t>((j & (kSide - 1)) * kSide + (i & (kSide - 1)));
-  }
+  static constexpr int kSide = VoteTable<std::int16_t>::kSide, kMostLanes = VoteTable<std::int16_t>::kLanes;
   struct Entry {
     std::uint64_t cell;
     std::uint32_t match;
@@ -64,6 +63,14 @@ class SectorVoting {
 
   void resize(std::size_t n);
   std::size_t load_one(std::size_t place, std::uint32_t match, double z, double half_z);
+  void set_lanes(double z, double half_z);
+  bool few() const { return matches_.size() <= VoteTable<std::int16_t>::kMost; }
+  template <typename Lane>
+  int vote(VoteTable<Lane>& table);
+  template <typename Lane>
+  void open_matches(VoteTable<Lane>& table, int at_least, std::vector<std::uint32_t>& matches) const;
+  template <typename Lane>
+  void collect_entries(VoteTable<Lane>& table, int at_least);
 
   struct Narrow {
     float px, py, qx, qy;
@@ -75,7 +82,13 @@ class SectorVoting {
   std::vector<std::uint32_t> matches_;            // loaded, and what they are:
   std::vector<float> px_, py_, qx_, qy_, reach_;  // reach: the horizontal threshold in the slab
   std::vector<std::int32_t> i0_, i1_, j0_, j1_;   // the cells that they vote for, ends included
-  std::array<std::uint32_t, kSide * kSide> table_{};
+  // A slab is divided by height into as many lanes as the table has.
+  double z_ = 0, half_z_ = 0;
+  int lanes_ = kMostLanes;
+  std::vector<std::uint64_t> votes_;  // in the lanes that can hold the match
+  std::array<int, kMostLanes> most_{};
+  VoteTable<std::int16_t> table_;
+  VoteTable<std::int32_t> wide_table_;  // for very many matches
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> wide_;
 };
