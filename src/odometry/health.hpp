@@ -18,6 +18,7 @@ struct Health {
   int inliers = 0;         ///< source points within three scales of their surface
   double share = 0;        ///< of the source points, the inliers
   double usual_share = 0;  ///< median of the recent ones
+  double last_share = 0;   ///< the least of the last few: between two scans little new comes into view
 };
 
 /// The normalised energy and its recent history. A scan of a known place costs about what the scans before it
@@ -32,7 +33,7 @@ class HealthMonitor {
   void forget() { count_ = 0; }
 
  private:
-  static constexpr std::size_t kHistory = 50;  // scans
+  static constexpr std::size_t kHistory = 50, kFew = 3;  // scans
   std::array<double, kHistory> history_{}, shares_{};
   std::size_t count_ = 0;  ///< remembered since the last forget
 };

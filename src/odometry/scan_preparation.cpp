@@ -75,7 +75,7 @@ CroppedScan crop(const PointCloud& points, double min_range, double max_range) {
 
 bool looks_around(const PointCloud& points) {
   constexpr int kSectors = 8, kMostEmpty = 2;
-  constexpr double kShare = 0.02;  // of all points, for a sector not to be empty
+  constexpr double kShare = 0.01;  // of all points, thinned: a wall close by has few of them
   std::array<std::size_t, kSectors> counts{};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const bool left = points.y[i] > 0, ahead = points.x[i] > 0,

@@ -19,6 +19,8 @@ constexpr double kMicro = 1e-6;
 constexpr double kDegree = 3.14159265358979 / 180.0;
 
 constexpr double kNewGroundShare = 0.6, kFitScore = 3.0;
+constexpr double kSuddenShare = 0.8, kSuddenScore = 1.5;
+constexpr double kMoment = 0.35;  // seconds
 constexpr std::size_t kFarPoints = 800;
 constexpr int kQuietScans = 5;   // after that, before the map may grow
 constexpr int kAttitudes = 100;  // that the upward direction is averaged over
@@ -129,29 +131,33 @@ struct Tracker::State {
     return near(found, predicted, 0.1 + 2.0 * metres, 2.0 * kDegree + 2.0 * radians);
   }
 
-  /// A sensor that looks all around does not see new ground on all sides at once.
-  static bool elsewhere(const PreparedScan& scan, const Health& health) {
-    return health.score > kFitScore && health.share < kNewGroundShare * health.usual_share &&
-           looks_around(scan.source);
+  /// A sensor that looks all around does not see new ground on all sides at once, nor much of it within the
+  /// time between two scans: a place that looks alike explains a part of a scan, too.
+  bool elsewhere(std::int64_t utime, const PreparedScan& scan, const Health& health) const {
+    const bool little = health.score > kFitScore && health.share < kNewGroundShare * health.usual_share;
+    const bool sudden = static_cast<double>(utime - last_trusted_utime) * kMicro < kMoment &&
+                        health.score > kSuddenScore && health.share < kSuddenShare * health.last_share;
+    return (little || sudden) && looks_around(scan.source);
   }
 
-  bool trusted(const PreparedScan& scan, const Attempt& attempt) const {
+  bool trusted(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) const {
     const bool wary = distrusted_scans > 0 && state != TrackingState::kInitialising;
     return explains(attempt, wary ? kCalmScore : kJumpScore) && plausible(attempt) &&
-           !elsewhere(scan, attempt.health);
+           !elsewhere(utime, scan, attempt.health);
   }
 
   void track_on(std::int64_t utime, const PreparedScan& scan, double dt, const ScanPrior& hints,
                 TrackedScan* tracked) {
     MotionPrior prior = odometer.predict(dt);
     Attempt attempt = odometer.deskew_first(scan, align_or_retry(scan, prior));
-    if (hints.motion && !trusted(scan, attempt)) {  // what others say is asked where the scans do not suffice
+    if (hints.motion &&
+        !trusted(utime, scan, attempt)) {  // what others say is asked where the scans do not suffice
       prior = predict(dt, hints);
       Attempt hinted = odometer.align(scan, prior, Reach::kNear);
-      if (trusted(scan, hinted)) attempt = std::move(hinted);
+      if (trusted(utime, scan, hinted)) attempt = std::move(hinted);
     }
     finished(Stage::kAlign);
-    if (trusted(scan, attempt)) {
+    if (trusted(utime, scan, attempt)) {
       believe(utime, scan, attempt);
       describe(attempt, PoseMethod::kIcp, tracked);
       return;
