@@ -34,6 +34,7 @@ constexpr int kPlainAttempts = 2;
 constexpr int kPeels = 4, kProposals = 8;
 constexpr double kPeeled = 2;                // epsilons
 constexpr double kOutOfQuestion = 0.4;       // of the score: so much behind the best proposal
+constexpr double kFarAhead = 1.6;            // consensus over what the runner-up may have
 constexpr double kImpossible = 0.3;          // contradiction
 constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
 constexpr int kRounds = 8;
@@ -300,9 +301,11 @@ CloudRegistration Registrar::propose() {
     result_.why = "the clouds contradict every pose: " + result_.why;
     return result_;
   }
-  result_.verdict = !s.certified                                     ? GlobalVerdict::kUncertified
-                    : s.consensus < kClearMargin * s.runner_up_bound ? GlobalVerdict::kAmbiguous
-                                                                     : GlobalVerdict::kCertain;
+  const bool clear = result_.largest_consensus && s.consensus >= kFarAhead * s.runner_up_bound &&
+                     best.fit.contradiction <= kClearContradiction;
+  result_.verdict = !s.certified ? GlobalVerdict::kUncertified
+                    : clear      ? GlobalVerdict::kCertain
+                                 : GlobalVerdict::kAmbiguous;
   return result_;
 }
 

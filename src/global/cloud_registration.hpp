@@ -32,8 +32,8 @@ struct CloudRegistrationOptions {
   /// consensus.
   std::vector<Eigen::Vector3d> target_ups;
   /// The clouds decide between the poses that the matches propose. False: that is left to the caller and his
-  /// own means; the clouds only put them in order, the likeliest first, and rule out the impossible ones. The
-  /// verdict then speaks of the matches alone.
+  /// own means; the clouds only put them in order, the likeliest first, and rule out the impossible ones.
+  /// They make the verdict certain only where the largest consensus is clear, and not contradicted.
   bool judged = true;
   int lambda = 3;
   int attempts = 2;                 ///< match sets that are drawn at most, see below

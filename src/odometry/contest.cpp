@@ -11,8 +11,9 @@ namespace scanlock {
 namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180.0;
-constexpr double kUsualShare = 0.9;  // of the usual share of inliers that a place has to have
-constexpr int kWins = 3;             // scans in a row
+constexpr double kUsualShare = 0.9;   // of the usual share of inliers that a place has to have
+constexpr double kClearShare = 0.75;  // of one that is known by other means: part of it may be new ground
+constexpr int kWins = 3;              // scans in a row
 constexpr int kMissesAllowed = 1;
 constexpr int kPatience = 8;                           // scans in which it has to be decided
 constexpr double kClearly = 1.3;                       // times the cost of the leader, and
@@ -27,14 +28,17 @@ bool is_open(const Attempt& attempt) {
 
 }  // namespace
 
-Contest::Contest(const std::vector<Pose>& map_from_predicted) {
+Contest::Contest(const std::vector<Pose>& map_from_predicted, bool clear) {
   for (const Pose& pose : map_from_predicted) {
     places_.emplace_back();
     places_.back().map_from_predicted = pose;
+    places_.back().least_share = kUsualShare;
   }
+  if (clear) places_.front().least_share = kClearShare;
 }
 
-Contest::Contest(const Pose& map_from_predicted, int wins) : Contest(std::vector<Pose>{map_from_predicted}) {
+Contest::Contest(const Pose& map_from_predicted, int wins)
+    : Contest(std::vector<Pose>{map_from_predicted}, false) {
   places_.front().tried = wins > 0;
   wins_ = wins;
   expected_ = true;
@@ -51,7 +55,7 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
   const Pose& found = place.attempt.alignment.moving.pose;
   const Health& health = place.attempt.health;
   const double usual = health.usual_share > 0 ? health.usual_share : excursion.usual_share();
-  place.fits = explains(place.attempt, kCalmScore) && health.share >= kUsualShare * usual &&
+  place.fits = explains(place.attempt, kCalmScore) && health.share >= place.least_share * usual &&
                near(found, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   if (place.fits) {
     place.map_from_predicted = renormalised(found * predicted.pose.inverse());

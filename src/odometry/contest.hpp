@@ -17,8 +17,8 @@ class Contest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
-  /// Corrections of predicted poses, the favourite first.
-  explicit Contest(const std::vector<Pose>& map_from_predicted);
+  /// Corrections of predicted poses, the favourite first. `clear`: it is so by far.
+  Contest(const std::vector<Pose>& map_from_predicted, bool clear);
   /// One that needs no search, for the robot is expected there. `wins`: scans that it has explained already.
   Contest(const Pose& map_from_predicted, int wins);
 
@@ -33,6 +33,7 @@ class Contest {
  private:
   struct Place {
     Pose map_from_predicted;
+    double least_share = 1;  ///< of the usual share of inliers, for it to fit
     int missed = 0;
     bool fits = false;  ///< the last scan
     bool tried = false;

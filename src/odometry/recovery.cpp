@@ -89,6 +89,7 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   answer.utime = request.utime;
   answer.certified = found.solution.certified;
   if (answer.certified && found.verdict != GlobalVerdict::kNoOverlap) answer.verdict = PlaceVerdict::kFound;
+  answer.clear = found.verdict == GlobalVerdict::kCertain;
   // source: stand (p - source_centre); target: level (p - target_centre).
   Pose to_stand = Pose::Identity(), to_level = Pose::Identity();
   to_stand.linear() = stand;

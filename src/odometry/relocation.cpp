@@ -168,7 +168,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     places.resize(std::min(places.size(), kMostPlaces));
     earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);
     earlier_finds_.resize(std::min(earlier_finds_.size(), kMostPlaces));
-    candidate_ = Candidate{Contest(places), std::move(answer)};
+    candidate_ = Candidate{Contest(places, answer.clear), std::move(answer)};
     return;
   }
   if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
