@@ -101,7 +101,8 @@ struct Tracker::State {
   /// once and a wider kernel tried, from the prediction and from where the robot was last seen.
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
     Attempt best = odometer.align(scan, prior, Reach::kNear);
-    if (explains(best, kJumpScore) || distrusted_scans > 0) return best;
+    const bool fits = best.health.score < kFitScore || usual_share(best.health);
+    if ((explains(best, kJumpScore) && fits) || distrusted_scans > 0) return best;
     // A far look is dear, and a part of the points will do for it: the next scan must not wait.
     PreparedScan part = scan;
     part.source = every_nth(scan.source, std::max<std::size_t>(scan.source.size() / kFarPoints, 1));
