@@ -322,6 +322,19 @@ class CloudAligner {
     result_.searches_saved += problem.correspondences().searches_saved();
   }
 
+  /// What the scene leaves open at a pose. The last level knows only pairs within its small reach, and of a
+  /// scan most of those are near the sensor: this asks points that are equally far apart, of any distance.
+  std::uint32_t open_axes(const Pose& pose) const {
+    const PointCloud apart = spread_out(source_.points, source_.diagonal, kEvenPoints);
+    CloudProblem::Setup setup = setup_;
+    setup.objective = IcpObjective::kPoint;
+    setup.robust = false;
+    CloudProblem problem(apart, target_, setup);
+    problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
+    const double honest = kHonestPairs * problem.median_distance(apart.size());
+    return alignment_certainty(apart, target_, problem, honest, 0.0, source_.centre).degeneracy.axes;
+  }
+
   /// What the last state says about the result.
   void finish(const CloudProblem& problem) {
     count_searches(problem);
@@ -338,6 +351,7 @@ class CloudAligner {
         alignment_certainty(source_.points, target_, problem, honest, planes_nu, source_.centre);
     result_.covariance = certainty.covariance;
     result_.degenerate_axes = certainty.degeneracy.axes;
+    if (result_.degenerate_axes != 0) result_.degenerate_axes = open_axes(problem.pose());
     if (result_.degenerate_axes != 0 || result_.inlier_ratio < kFewInliers)
       result_.stop_reason = "degenerate";
   }
