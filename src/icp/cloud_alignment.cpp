@@ -39,7 +39,7 @@ struct Effort {
   double upper_share;  ///< of the points that halving at each level would give
   std::size_t least_points;
 };
-constexpr Effort kPointEffort = {0.001, 0.008, 1.0, 1024};
+constexpr Effort kPointEffort = {0.0003, 0.008, 1.0, 1024};
 constexpr Effort kPlaneEffort = {0.1, 0.1, 1.0, 1024};
 
 class CloudAligner {
