@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "geometry/voxel_grid.hpp"
 #include "icp/cloud_covariance.hpp"
+#include "icp/cloud_selection.hpp"
 #include "icp/welsch.hpp"
 
 namespace scanlock {
@@ -18,10 +18,7 @@ namespace {
 constexpr double kNuMaxOfMedian = 3.0;  // section 4.3
 constexpr double kNuFactor = 0.5;
 constexpr double kTolerance = 1e-5;  // of the diagonal
-constexpr std::size_t kRulePoints = 256, kApproachPoints = 512, kEvenPoints = 1024, kSpreadFrom = 8000;
-constexpr double kFirstSpread = 0.012;  // of the diagonal
-constexpr int kSpreadRounds = 12;
-constexpr double kSpreadAim = 1.4, kLeastSpreadStep = 1.2, kMostSpreadStep = 3.0;
+constexpr std::size_t kRulePoints = 256, kApproachPoints = 512, kEvenPoints = 1024;
 constexpr double kJudgeShare = 0.33, kJudgeSpacings = 2.0, kMostlyOff = 0.5;
 constexpr double kApproachTolerance = 0.02;  // of nu
 constexpr double kApproachEnd = 0.7;         // spacings
@@ -42,53 +39,8 @@ struct Effort {
   double upper_share;  ///< of the points that halving at each level would give
   std::size_t least_points;
 };
-constexpr Effort kPointEffort = {0.001, 0.008, 1.0, 1024};
+constexpr Effort kPointEffort = {0.0003, 0.008, 1.0, 1024};
 constexpr Effort kPlaneEffort = {0.1, 0.1, 1.0, 1024};
-
-/// Every n-th point, so that about `count` are left.
-PointCloud thinned(const PointCloud& points, std::size_t count) {
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / count);
-  std::vector<std::uint32_t> indices;
-  for (std::size_t i = 0; i < points.size(); i += stride) indices.push_back(static_cast<std::uint32_t>(i));
-  return select(points, indices);
-}
-
-/// Points in an order in which the first n / 2^k of them are spread over the whole cloud, for every k, and
-/// neighbours stay together within each such part.
-PointCloud in_level_order(const PointCloud& points) {
-  const std::size_t n = points.size();
-  std::size_t stride = 1;
-  while (2 * stride < n) stride *= 2;
-  std::vector<std::uint32_t> indices;
-  indices.reserve(n);
-  for (std::size_t i = 0; i < n; i += stride) indices.push_back(static_cast<std::uint32_t>(i));
-  for (; stride > 1; stride /= 2) {
-    for (std::size_t i = stride / 2; i < n; i += stride) indices.push_back(static_cast<std::uint32_t>(i));
-  }
-  return select(points, indices);
-}
-
-/// Points about equally far apart, `count` to twice as many where there are so many.
-PointCloud spread_out(const PointCloud& points, double diagonal, std::size_t count) {
-  PointCloud result = thinned(points, kSpreadFrom);
-  result.nx.clear();
-  result.ny.clear();
-  result.nz.clear();
-  double voxel = kFirstSpread * diagonal;
-  for (int round = 0; result.size() > 2 * count && voxel > 0 && round < kSpreadRounds; ++round) {
-    PointCloud next = select(result, thin_by_voxel(result, static_cast<float>(voxel)));
-    if (next.size() < count / 2) {  // a small part of the scene has nearly all points
-      voxel /= kMostSpreadStep;
-      continue;
-    }
-    result = std::move(next);
-    // Of points on surfaces the square of the voxel's growth is left.
-    const double wanted =
-        std::sqrt(static_cast<double>(result.size()) / (kSpreadAim * static_cast<double>(count)));
-    voxel *= std::clamp(wanted, kLeastSpreadStep, kMostSpreadStep);
-  }
-  return result;
-}
 
 class CloudAligner {
  public:
@@ -322,6 +274,19 @@ class CloudAligner {
     result_.searches_saved += problem.correspondences().searches_saved();
   }
 
+  /// What the scene leaves open at a pose. The last level knows only pairs within its small reach, and of a
+  /// scan most of those are near the sensor: this asks points that are equally far apart, of any distance.
+  std::uint32_t open_axes(const Pose& pose) const {
+    const PointCloud apart = spread_out(source_.points, source_.diagonal, kEvenPoints);
+    CloudProblem::Setup setup = setup_;
+    setup.objective = IcpObjective::kPoint;
+    setup.robust = false;
+    CloudProblem problem(apart, target_, setup);
+    problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
+    const double honest = kHonestPairs * problem.median_distance(apart.size());
+    return alignment_certainty(apart, target_, problem, honest, 0.0, source_.centre).degeneracy.axes;
+  }
+
   /// What the last state says about the result.
   void finish(const CloudProblem& problem) {
     count_searches(problem);
@@ -338,6 +303,7 @@ class CloudAligner {
         alignment_certainty(source_.points, target_, problem, honest, planes_nu, source_.centre);
     result_.covariance = certainty.covariance;
     result_.degenerate_axes = certainty.degeneracy.axes;
+    if (result_.degenerate_axes != 0) result_.degenerate_axes = open_axes(problem.pose());
     if (result_.degenerate_axes != 0 || result_.inlier_ratio < kFewInliers)
       result_.stop_reason = "degenerate";
   }

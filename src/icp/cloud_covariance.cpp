@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kSamples = 2048;
 constexpr double kSigmaOfMedian = 1.4826;  // of a normal distribution
 constexpr double kReach = 3.0;             // sigmas
-constexpr double kRadius = 5.0;            // spacings; for normals of targets that have none
+constexpr double kRadius = 5.0;            // spacings, at least; for normals of targets that have none
 // What independent noise leaves out (pairs across edges, pairs that change with the motion), from trials with
 // known truth.
 constexpr double kInflation = 5.0;
@@ -46,8 +46,9 @@ std::vector<PlanePair> plane_pairs(const PointCloud& source, const CloudTarget& 
   LocalSurfaces surfaces;
   const PointCloud& to = target.points();
   if (!target.normals_ready()) {
-    surfaces.reset(to, target.tree(),
-                   static_cast<float>(kRadius * std::max(target.spacing(), 1e-6 * target.diagonal())));
+    surfaces.reset(
+        to, target.tree(),
+        static_cast<float>(std::max({kRadius * target.spacing(), gate, 1e-6 * target.diagonal()})));
     std::vector<std::int32_t> wanted;
     for (std::size_t i = 0; i < source.size(); i += stride) wanted.push_back(problem.pair(i).target);
     surfaces.prepare(wanted, 1);

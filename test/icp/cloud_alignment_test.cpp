@@ -248,3 +248,28 @@ TEST_CASE("a start that may be better and is not is left") {
   CHECK(found.stop_reason == "converged");
   CHECK(translation_error(found.target_from_source, truth) < 0.005);
 }
+
+TEST_CASE("a scan that is dense near its sensor is not degenerate for that") {
+  const auto scan = [](unsigned seed) {
+    Random random(seed);
+    PointCloud cloud = room(random, 3000, 0.002);
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      cloud.x[i] *= 5;
+      cloud.y[i] *= 5;
+      cloud.z[i] *= 5;
+    }
+    for (int i = 0; i < 30000; ++i) {
+      cloud.push_back(static_cast<float>(random.between(-1, 1)), static_cast<float>(random.between(-1, 1)),
+                      static_cast<float>(0.002 * random.number()));
+    }
+    cloud.nx.clear();
+    cloud.ny.clear();
+    cloud.nz.clear();
+    return cloud;
+  };
+  CloudTarget target(scan(1));
+  const PointCloud source = moved(scan(2), motion({0.02, 0.01, 0}, {0, 0, 0.001}));
+  CHECK(align(source, target, "robust-icp").degenerate_axes == 0);
+  target.prepare_normals();
+  CHECK(align(source, target, "robust-icp-plane").degenerate_axes == 0);
+}
