@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "global/cloud_registration.hpp"
+#include "global/hypothesis.hpp"
 
 namespace scanlock {
 
@@ -34,6 +35,12 @@ struct GlobalStart {
   bool found() const { return registration.verdict != GlobalVerdict::kNoOverlap; }
   const Pose& pose(bool refined) const {
     return refined ? registration.target_from_source : registration.start;
+  }
+  /// The clouds have confirmed a pose to a part of epsilon: what carries it farther is no refinement.
+  /// `centre` of the source, metres.
+  bool is_left_by(const Pose& refined, const Eigen::Vector3d& centre) const {
+    constexpr double kFar = 0.25;  // of what makes another pose: epsilon, or 1.4 degrees
+    return found() && separation(refined, pose(true), centre, registration.epsilon) > kFar;
   }
 };
 

@@ -1,6 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
 // Aligns two clouds.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -113,6 +114,17 @@ CloudTarget make_target(const AlignOptions& options, const PointCloud& cloud) {
   }
 }
 
+Eigen::Vector3d middle_of(const PointCloud& cloud) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!cloud.point(i).allFinite()) continue;
+    sum += cloud.point(i).cast<double>();
+    ++count;
+  }
+  return sum / std::max(count, 1.0);
+}
+
 /// What a method of ICP makes of a start. Takes the memory of the target back unless a picture needs it.
 CloudAlignment refine(const AlignOptions& options, const CloudMethod& method, const PointCloud& source_file,
                       PointCloud& target_file, const Pose& start, const GlobalStart* global, RunSizes* sizes,
@@ -139,7 +151,15 @@ CloudAlignment refine(const AlignOptions& options, const CloudMethod& method, co
     if (!(options.nu_max > 0)) alignment.nu_max = global->registration.epsilon;
   }
   try {
-    const CloudAlignment result = align_clouds(source, target, start, method, alignment);
+    CloudAlignment result = align_clouds(source, target, start, method, alignment);
+    if (global && global->is_left_by(result.target_from_source, middle_of(source))) {
+      // Sparse points slide along surfaces; planes hold them, or else nothing does.
+      result = align_clouds(source, target, start, *find_cloud_method("robust-icp-plane"), alignment);
+      if (global->is_left_by(result.target_from_source, middle_of(source))) {
+        result.target_from_source = start;
+        result.stop_reason = "start";
+      }
+    }
     ms->solve += watch.lap();
     return result;
   } catch (const std::invalid_argument& error) {

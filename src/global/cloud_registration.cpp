@@ -20,7 +20,7 @@ namespace scanlock {
 namespace {
 
 constexpr double kEpsilonOfVoxel = 0.75;
-constexpr double kStrongOverlap = 0.55, kStrongLeastOverlap = 0.4, kStrongContradiction = 0.03;
+constexpr double kStrongOverlap = 0.55, kStrongLeastOverlap = 0.45, kStrongContradiction = 0.03;
 constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
 // Rooms of one building can look alike to half their surfaces, but the walls of the one stand in the free
 // space of the other.
@@ -245,16 +245,19 @@ void Registrar::judge() {
     if (score(h.fit) > score(result_.rival_fit)) result_.rival_fit = h.fit;
     rival = rival || !clearly_worse(h.fit, best->fit);
   }
+  const CloudFit& fit = best->fit;
   const bool clear = first && s.consensus >= kClearMargin * s.runner_up_bound &&
-                     best->fit.contradiction <= kClearContradiction;
-  const bool strong = best->fit.contradiction <= kStrongContradiction &&
-                      best->fit.overlap >= kStrongOverlap && best->fit.least_overlap >= kStrongLeastOverlap &&
-                      (best->degenerate_axes & kHorizontalAxes) == 0;
+                     (fit.contradiction <= kClearContradiction || fit.least_overlap >= kStrongOverlap);
+  const bool strong = first && fit.contradiction <= kStrongContradiction && fit.overlap >= kStrongOverlap &&
+                      fit.least_overlap >= kStrongLeastOverlap;
   if (!confirmed(best->fit, source_.voxel)) {
     result_.why = "the clouds do not confirm any pose: " + numbers();
   } else if (rival) {
     result_.verdict = GlobalVerdict::kAmbiguous;
     result_.why = "another pose fits the clouds about as well: " + numbers();
+  } else if ((best->degenerate_axes & kHorizontalAxes) != 0) {  // a tunnel is alike along all its length
+    result_.verdict = GlobalVerdict::kAmbiguous;
+    result_.why = "the clouds leave a motion open: " + numbers();
   } else if (result_.attempts > kPlainAttempts ? !strong || !clear : !strong && !clear) {
     result_.verdict = GlobalVerdict::kAmbiguous;
     result_.why = "no pose stands out: " + numbers();

@@ -115,31 +115,29 @@ bool BoxFilter::contract(const std::vector<std::uint32_t>& list, int wanted, Pos
   double LevelPose::*const centres[] = {&LevelPose::x, &LevelPose::y, &LevelPose::z, &LevelPose::theta};
   double PoseBox::*const halves[] = {&PoseBox::half_x, &PoseBox::half_y, &PoseBox::half_z,
                                      &PoseBox::half_theta};
-  const std::size_t n = list.size();
-  std::array<std::array<int, kBins>, 4> starts{}, ends{};
-  for (int axis = 0; axis < 4; ++axis) {
-    first_[axis].resize(n);
-    last_[axis].resize(n);
+  const auto n = static_cast<Eigen::Index>(list.size());
+  first_.resize(n);
+  last_.resize(n);
+  for (std::size_t axis = 0; axis < 4; ++axis) {
     constexpr float kMargin = 0.01f, kUp = 1.000002f;  // bins, and a factor: more than rounding
     const float scale = 0.5f * kBins / static_cast<float>(box.*halves[axis]);
-    const auto size = static_cast<Eigen::Index>(n);
-    const Eigen::Map<const Eigen::ArrayXf> middle(middle_[axis].data(), size),
-        reach(reach_[axis].data(), size);
+    const Eigen::Map<const Eigen::ArrayXf> middle(middle_[axis].data(), n), reach(reach_[axis].data(), n);
     const auto around = reach.max(0.0f) * kUp + middle.abs() * (kUp - 1);
-    // Not loops: compilers make branches of the limits.
-    Eigen::Map<Eigen::ArrayXi>(first_[axis].data(), size) =
-        ((middle - around) * scale + (0.5f * kBins - kMargin)).max(0.0f).min(kBins - 1.0f).cast<int>();
-    Eigen::Map<Eigen::ArrayXi>(last_[axis].data(), size) =
-        ((middle + around) * scale + (0.5f * kBins + kMargin)).max(0.0f).min(kBins - 1.0f).cast<int>();
-  }
-  for (std::size_t k = 0; k < n; ++k) {
-    for (std::size_t axis = 0; axis < 4; ++axis) {
-      ++starts[axis][static_cast<std::size_t>(first_[axis][k])];
-      ++ends[axis][static_cast<std::size_t>(last_[axis][k])];
+    first_ = (middle - around) * scale + (0.5f * kBins - kMargin);
+    last_ = (middle + around) * scale + (0.5f * kBins + kMargin);
+    // Most intervals of a small box reach through all of it.
+    int through = 0;
+    std::array<int, kBins> starts{}, ends{};
+    for (Eigen::Index k = 0; k < n; ++k) {
+      if ((first_[k] < 1) & (last_[k] >= kBins - 1)) {
+        ++through;
+        continue;
+      }
+      ++starts[static_cast<std::size_t>(std::max(0.0f, std::min(first_[k], kBins - 1.0f)))];
+      ++ends[static_cast<std::size_t>(std::max(0.0f, std::min(last_[k], kBins - 1.0f)))];
     }
-  }
-  for (std::size_t axis = 0; axis < 4; ++axis) {
-    if (!narrow(starts[axis], ends[axis], wanted, box.centre.*centres[axis], box.*halves[axis])) return false;
+    if (through >= wanted) continue;
+    if (!narrow(starts, ends, wanted - through, box.centre.*centres[axis], box.*halves[axis])) return false;
   }
   return true;
 }

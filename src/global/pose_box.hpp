@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -49,10 +50,10 @@ class BoxFilter {
   std::vector<Packed> matches_;
   // Of the last box, for its sister often has the same angles.
   double theta_ = 0, half_theta_ = 0, cos_ = 1, sin_ = 0, across_ = 0, along_ = 0;
-  // Of contract(), for x, y, z and theta: an interval about the centre of the box for each match, and its
-  // bins.
+  // Of contract(): an interval about the centre of the box for each match, along x, y, z and theta; and, of
+  // one axis, its ends in bins.
   std::array<std::vector<float>, 4> middle_, reach_;
-  std::array<std::vector<std::int32_t>, 4> first_, last_;
+  Eigen::ArrayXf first_, last_;
 };
 
 /// Half of the longest side, metres; angles are measured by what they move at `lever` from the axis.

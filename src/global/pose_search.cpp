@@ -15,7 +15,7 @@ namespace scanlock {
 namespace {
 
 constexpr int kSlabSectors = 8;
-constexpr double kSlabHeight = 9;  // thresholds
+constexpr double kSlabHeight = 6;  // thresholds
 
 class Search {
  public:
