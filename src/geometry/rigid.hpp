@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-
 namespace scanlock {
 
 /// A rigid transform; `Pose a_from_b` maps coordinates in b to coordinates in a.
