@@ -14,7 +14,7 @@ Excursion::Excursion(const TrackerConfig& config, std::int64_t utime, const Prep
 bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) {
   const MotionPrior prior = odometer_.predict(dt);
   Attempt attempt = odometer_.align(scan, prior, Reach::kNear);
-  attempt = odometer_.deskew_first(scan, std::move(attempt));
+  attempt = odometer_.deskew_first(scan, dt, std::move(attempt));
   if (!explains(attempt, kJumpScore)) {
     MotionPrior loose = prior;
     loose.information *= 0.01;

@@ -19,6 +19,8 @@ constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is bette
 constexpr double kFirstSigma = 0.03;
 constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on Gaussian residuals
 
+constexpr int kDeskewRounds = 6;  // at most
+
 constexpr double kLeastShare = 0.3;
 constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history says
@@ -89,7 +91,7 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
   return attempt;
 }
 
-Attempt Odometer::deskew_first(const PreparedScan& scan, Attempt attempt) {
+Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt attempt) {
   if (first_.points.empty()) return attempt;
   PreparedScan again;
   again.fine = std::move(first_.points);
@@ -97,10 +99,19 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, Attempt attempt) {
   first_.points = {};
   if (!again.fine.has_times()) return attempt;
   const Pose pose = last_keyframe_pose_;
-  for (int round = 0; round < 2; ++round) {
+  const auto [from, to] = std::minmax_element(again.fine.time.begin(), again.fine.time.end());
+  const double sweep = static_cast<double>(*to) - *from;
+  // A wrong velocity bends both scans alike, so that they fit each other still. The way from one stamp to the
+  // next tells better, if the one scan ends about where the other begins.
+  const bool gapless = sweep > 0.5 * dt && dt > 0.5 * sweep;
+  for (int round = 0; round < kDeskewRounds; ++round) {
     map_.clear();
-    insert(first_.utime, again, {pose, attempt.alignment.moving.twist});
+    Vector6 twist = attempt.alignment.moving.twist;
+    if (gapless) twist = se3_log(pose.inverse() * attempt.alignment.moving.pose) / dt;
+    insert(first_.utime, again, {pose, twist});
+    const Pose before = attempt.alignment.moving.pose;
     attempt = align(scan, attempt.prior, Reach::kNear);
+    if (near(before, attempt.alignment.moving.pose, 0.002, 0.0005)) break;
   }
   return attempt;
 }

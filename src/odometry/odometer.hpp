@@ -55,8 +55,8 @@ class Odometer {
   MotionPrior predict(double dt) const { return filter_.predict(dt); }
   Attempt align(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
   /// Aligns with the first scan, after that one's own motion was taken out: possible only once a second one
-  /// shows the velocity. Other attempts come back as they are.
-  Attempt deskew_first(const PreparedScan& scan, Attempt attempt);
+  /// shows the velocity, `dt` seconds later. Other attempts come back as they are.
+  Attempt deskew_first(const PreparedScan& scan, double dt, Attempt attempt);
 
   /// The state becomes the outcome, and its energy part of what is usual.
   void accept(const Attempt& attempt);

@@ -150,7 +150,7 @@ struct Tracker::State {
   void track_on(std::int64_t utime, const PreparedScan& scan, double dt, const ScanPrior& hints,
                 TrackedScan* tracked) {
     MotionPrior prior = odometer.predict(dt);
-    Attempt attempt = odometer.deskew_first(scan, align_or_retry(scan, prior));
+    Attempt attempt = odometer.deskew_first(scan, dt, align_or_retry(scan, prior));
     if (hints.motion &&
         !trusted(utime, scan, attempt)) {  // what others say is asked where the scans do not suffice
       prior = predict(dt, hints);
