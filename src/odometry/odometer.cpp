@@ -109,9 +109,7 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
     Vector6 twist = attempt.alignment.moving.twist;
     if (gapless) twist = se3_log(pose.inverse() * attempt.alignment.moving.pose) / dt;
     insert(first_.utime, again, {pose, twist});
-    const Pose before = attempt.alignment.moving.pose;
     attempt = align(scan, attempt.prior, Reach::kNear);
-    if (near(before, attempt.alignment.moving.pose, 0.002, 0.0005)) break;
   }
   return attempt;
 }
