@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "global/box_filter.hpp"
 #include "global/conflicts.hpp"
 #include "global/pose_polish.hpp"
 #include "global/search_nodes.hpp"
@@ -14,7 +15,7 @@
 namespace scanlock {
 namespace {
 
-constexpr int kSlabSectors = 8;
+constexpr int kSlabSectors = 8, kMostPieces = 8;
 constexpr double kSlabHeight = 6;  // thresholds
 
 class Search {
@@ -38,11 +39,12 @@ class Search {
   int wanted() const { return std::max(1, best_.consensus + (pruning_ ? 0 : 1)); }
   void measure();
   void open_slabs();
-  int pieces(const Node& sector, std::size_t matches) const;
+  int pieces(double cell, std::size_t matches) const;
   void divide_slab(const Node& node);
   void push_sector(const PoseBox& slab, double theta, double half_theta, double cell);
   void divide_sector(const Node& node);
   void divide_box(Node& node);
+  void push_box(const PoseBox& box, const std::vector<std::uint32_t>& matches, const Node& origin);
   void look_for_conflicts(Node& node);
   bool matters(const PoseBox& box, double lever) const;
   void seed();
@@ -118,26 +120,27 @@ void Search::push_sector(const PoseBox& slab, double theta, double half_theta, d
   open_.push(std::move(node));
 }
 
-/// Into how many sectors to divide one of so many matches: few, but such that their votes can tell where the
-/// incumbent may be beaten. A sector of half the angle has cells of half the side, and a quarter of the votes
-/// in each.
-int Search::pieces(const Node& sector, std::size_t matches) const {
-  constexpr int kMost = 8;
+/// Into how many sectors to divide one of such cells and so many matches: few, but such that their votes can
+/// tell where the incumbent may be beaten. A sector of half the angle has cells of half the side, and a
+/// quarter of the votes in each.
+int Search::pieces(double cell, std::size_t matches) const {
   constexpr double kCrowding = 20;  // votes of a match, times the fullest cell over the mean
   int count = 2;
-  for (; count < kMost; count *= 2) {
-    const double cell = sector.cell / count;
-    if (kCrowding * static_cast<double>(matches) * cell * cell <= wanted() * spread_ * spread_) break;
+  for (; count < kMostPieces; count *= 2) {
+    const double side = cell / count;
+    if (kCrowding * static_cast<double>(matches) * side * side <= wanted() * spread_ * spread_) break;
   }
   return count;
 }
 
 void Search::divide_slab(const Node& node) {
   const std::size_t n = voting_.load_slab(node.box.centre.z, node.box.half_z);
-  result_.work += n * static_cast<std::size_t>(kSlabSectors);
-  const double half = kPi / kSlabSectors;
-  for (int k = 0; k < kSlabSectors; ++k)
-    push_sector(node.box, (2 * k + 1) * half, half * (1 + 1e-12), slab_cell());
+  // Of very many matches, wide sectors would tell nothing.
+  const int finer = pieces(slab_cell(), n), sectors = kSlabSectors * (finer == kMostPieces ? finer : 1);
+  const double half = kPi / sectors, cell = slab_cell() * kSlabSectors / sectors;
+  result_.work += n * static_cast<std::size_t>(sectors);
+  for (int k = 0; k < sectors; ++k)
+    push_sector(node.box, (2 * k + 1) * half, half * (1 + 1e-12), std::max(cell, voting_.smallest_cell()));
 }
 
 void Search::divide_sector(const Node& node) {
@@ -159,17 +162,13 @@ void Search::divide_sector(const Node& node) {
   if (gathering && voting_.gather(sector, wanted(), cells_)) {
     for (VotedCell& cell : cells_) {
       if (pruning_ && all_kept(cell.matches)) continue;
-      Node box;
-      box.kind = NodeKind::kBox;
-      box.box = cell.box;
-      box.bound = static_cast<int>(cell.matches.size());
-      box.lever = lever_;
-      box.matches = std::move(cell.matches);
-      open_.push(std::move(box));
+      Node origin;
+      origin.bound = static_cast<int>(cell.matches.size());
+      push_box(cell.box, cell.matches, origin);
     }
     return;
   }
-  const int sectors = pieces(node, n);
+  const int sectors = pieces(node.cell, n);
   const double half = node.box.half_theta / sectors;
   result_.work += n * static_cast<std::size_t>(sectors);
   for (int k = 0; k < sectors; ++k) {
@@ -207,9 +206,28 @@ void Search::look_for_conflicts(Node& node) {
   if (found.consensus > best_.consensus) offer(found.pose, found.consensus, node.matches);
 }
 
+/// A box that the matches of another node, its origin, may be held in.
+void Search::push_box(const PoseBox& box, const std::vector<std::uint32_t>& matches, const Node& origin) {
+  if (excluded_ && excluded_->holds(box)) return;
+  const BoxCounts counts = filter_.filter(box, matches, scratch_[0]);
+  result_.work += matches.size();
+  Node node;
+  node.box = box;
+  const bool possible = counts.possible >= wanted() && filter_.contract(wanted(), node.box);
+  if (counts.at_centre > best_.consensus) offer(box.centre, counts.at_centre, scratch_[0]);
+  node.bound = std::min(counts.possible, origin.bound);
+  if (!possible || node.bound < wanted() || (pruning_ && all_kept(scratch_[0]))) return;
+  node.kind = NodeKind::kBox;
+  node.lever = counts.lever;
+  node.tried_drops = origin.tried_drops;
+  node.tried_size = origin.tried_size;
+  node.iterations = origin.iterations;
+  node.matches = scratch_[0];
+  open_.push(std::move(node));
+}
+
 void Search::divide_box(Node& node) {
   PoseBox halves[2];
-  if (!filter_.contract(node.matches, wanted(), node.box)) return;
   look_for_conflicts(node);
   if (node.bound < wanted()) return;
   if (!matters(node.box, node.lever)) {
@@ -221,23 +239,7 @@ void Search::divide_box(Node& node) {
     return;
   }
   halve(node.box, node.lever, halves);
-  for (const PoseBox& half : halves) {
-    if (excluded_ && excluded_->holds(half)) continue;
-    const BoxCounts counts = filter_.filter(half, node.matches, scratch_[0]);
-    result_.work += node.matches.size();
-    if (counts.at_centre > best_.consensus) offer(half.centre, counts.at_centre, scratch_[0]);
-    if (counts.possible < wanted() || (pruning_ && all_kept(scratch_[0]))) continue;
-    Node child;
-    child.kind = NodeKind::kBox;
-    child.bound = std::min(counts.possible, node.bound);
-    child.box = half;
-    child.lever = counts.lever;
-    child.tried_drops = node.tried_drops;
-    child.tried_size = node.tried_size;
-    child.iterations = node.iterations;
-    child.matches = scratch_[0];
-    open_.push(std::move(child));
-  }
+  for (const PoseBox& half : halves) push_box(half, node.matches, node);
 }
 
 /// Without a pose nothing closes: goes down the fullest sectors of the fullest slab before all else.
