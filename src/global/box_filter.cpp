@@ -200,8 +200,11 @@ bool BoxFilter::contract(int wanted, PoseBox& box) const {
   const int drops = possible_ - wanted;
   if (drops < 0) return false;
   const auto n = static_cast<std::size_t>(possible_);
-  return drops <= kMostDrops ? contract_by_rank(starts_, minus_ends_, n, drops, box)
-                             : contract_by_depth(starts_, minus_ends_, n, wanted, box);
+  // Counting ignores where the dropped ones are, which matters when they are many.
+  constexpr int kShare = 3;
+  const bool few = drops <= kMostDrops && kShare * drops <= wanted;
+  return few ? contract_by_rank(starts_, minus_ends_, n, drops, box)
+             : contract_by_depth(starts_, minus_ends_, n, wanted, box);
 }
 
 }  // namespace scanlock

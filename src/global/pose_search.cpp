@@ -131,8 +131,11 @@ int Search::pieces(double cell, std::size_t matches) const {
 
 void Search::divide_slab(const Node& node) {
   const std::size_t n = voting_.load_slab(node.box.centre.z, node.box.half_z);
-  // Of very many matches, wide sectors would tell nothing.
-  const int finer = pieces(slab_cell(), n), sectors = kSlabSectors * (finer == kMostPieces ? finer : 1);
+  // Of very many matches, wide sectors would tell nothing. But as long as chance gives as good a pose as is
+  // known, they lead to a better one.
+  constexpr int kChance = 12;
+  const bool fine = answer_.consensus() > kChance && pieces(slab_cell(), n) == kMostPieces;
+  const int sectors = kSlabSectors * (fine ? kMostPieces : 1);
   const double half = kPi / sectors, cell = slab_cell() * kSlabSectors / sectors;
   result_.work += n * static_cast<std::size_t>(sectors);
   for (int k = 0; k < sectors; ++k)
