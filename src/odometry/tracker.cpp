@@ -290,6 +290,7 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
   if (!s.begun) {
     if (s.relocation.lost()) {
       s.relocation.distrust(scan.utime, 0, prepared, s.odometer, 1);
+      tracked.method = PoseMethod::kPredicted;
     } else {
       s.start(scan.utime, prepared);
     }
