@@ -6,8 +6,6 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <exception>
 #include <utility>
 
 namespace scanlock {
@@ -21,23 +19,54 @@ void step_back() {
 
 }  // namespace
 
+BackgroundSearch::~BackgroundSearch() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_one();
+  if (thread_.joinable()) thread_.join();
+}
+
 void BackgroundSearch::start(RecoveryRequest request) {
   if (at_once_) {
-    std::promise<RecoveryAnswer> promise;
-    promise.set_value(finder_.find(request));
-    answer_ = promise.get_future();
+    answer_ = finder_.find(request);
     return;
   }
-  answer_ = std::async(std::launch::async, [this, request = std::move(request)] {
-    step_back();
-    return finder_.find(request);
-  });
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    request_ = std::move(request);
+  }
+  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
+  wake_.notify_one();
 }
 
 std::optional<RecoveryAnswer> BackgroundSearch::poll() {
-  if (!answer_.valid() || answer_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
-    return std::nullopt;
-  return answer_.get();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  return std::exchange(answer_, std::nullopt);
+}
+
+void BackgroundSearch::work() {
+  step_back();
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (true) {
+    wake_.wait(lock, [this] { return stop_ || request_; });
+    if (stop_) return;
+    std::optional<RecoveryRequest> request = std::exchange(request_, std::nullopt);
+    lock.unlock();
+    std::optional<RecoveryAnswer> answer;
+    std::exception_ptr failure;
+    try {
+      answer = finder_.find(*request);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    request.reset();
+    lock.lock();
+    answer_ = std::move(answer);
+    failure_ = failure;
+  }
 }
 
 }  // namespace scanlock

@@ -18,7 +18,7 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
   if (!explains(attempt, kJumpScore)) {
     MotionPrior loose = prior;
     loose.information *= 0.01;
-    attempt = better(std::move(attempt), odometer_.align(scan, loose, Reach::kFar));
+    attempt = better(std::move(attempt), odometer_.probe(scan, loose, Reach::kFar));
   }
   if (!explains(attempt, kJumpScore)) {
     odometer_.start(utime, scan, prior.mean);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/voxel_grid.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -26,6 +28,8 @@ constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history says
 constexpr double kMostAtFirst = 0.7;  // a map of one scan is thin
 constexpr double kUsualShare = 0.8;
+
+constexpr std::size_t kPartPoints = 800;  // of a scan, to see whether it fits at all
 
 }  // namespace
 
@@ -89,6 +93,11 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
   attempt.alignment.moving.pose.translation() += map_.origin();
   attempt.health = health_.assess(aligner_.residuals(), aligner_.weights(), kKernel * sigma_);
   return attempt;
+}
+
+Attempt Odometer::probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach) {
+  Attempt part = align(part_of(scan), prior, reach);
+  return explains(part, kHopelessScore) ? align(scan, prior, reach) : part;
 }
 
 Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt attempt) {
@@ -155,6 +164,17 @@ bool explains(const Attempt& attempt, double most_score) {
 
 bool usual_share(const Health& health) {
   return health.share >= kUsualShare * health.usual_share;
+}
+
+PreparedScan part_of(const PreparedScan& scan) {
+  PreparedScan part;
+  part.voxel = scan.voxel;
+  part.median_range = scan.median_range;
+  std::vector<std::uint32_t> indices;
+  const std::size_t step = std::max<std::size_t>(scan.source.size() / kPartPoints, 1);
+  for (std::size_t i = 0; i < scan.source.size(); i += step) indices.push_back(static_cast<std::uint32_t>(i));
+  part.source = select(scan.source, indices);
+  return part;
 }
 
 Attempt better(Attempt a, Attempt b) {

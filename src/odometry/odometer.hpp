@@ -54,6 +54,9 @@ class Odometer {
 
   MotionPrior predict(double dt) const { return filter_.predict(dt); }
   Attempt align(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
+  /// The same where success is unlikely: a part of the points is tried first, and when that does not come
+  /// near to explaining itself, it is what comes back. An alignment that fails takes the longest of all.
+  Attempt probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
   /// Aligns with the first scan, after that one's own motion was taken out: possible only once a second one
   /// shows the velocity, `dt` seconds later. Other attempts come back as they are.
   Attempt deskew_first(const PreparedScan& scan, double dt, Attempt attempt);
@@ -89,12 +92,18 @@ class Odometer {
   Keyframe first_;  ///< its points as they came, until their motion is known
 };
 
+/// The score of a part of a scan beyond which the scan as a whole does not come below kJumpScore.
+inline constexpr double kHopelessScore = 2.0 * kJumpScore;
+
 /// Whether an alignment explains its scan: enough overlap, and an energy at most `most_score` above what is
 /// usual.
 bool explains(const Attempt& attempt, double most_score);
 
 /// Whether the share of inliers is about the usual one: less is new ground, or another place.
 bool usual_share(const Health& health);
+
+/// The same scan with fewer points to align: enough to tell whether it fits at all.
+PreparedScan part_of(const PreparedScan& scan);
 
 /// The one that leaves less unexplained.
 Attempt better(Attempt a, Attempt b);

@@ -101,7 +101,7 @@ void Relocation::feel(const PreparedScan& scan, Odometer& odometer, Attempt* att
   prior.mean = predicted;
   if (standing) prior.mean.pose = *last_seen_;
   prior.information = prior_information(gate_m_, gate_rad_, excursion_->covariance());
-  *attempt = odometer.align(scan, prior, gate_m_ < kFarGate ? Reach::kNear : Reach::kFar);
+  *attempt = odometer.probe(scan, prior, gate_m_ < kFarGate ? Reach::kNear : Reach::kFar);
   const Pose& found = attempt->alignment.moving.pose;
   const double share = usual_share(attempt->health) ? 1.0 : 0.4;  // of the gate
   const bool there = standing ? near(found, *last_seen_, share * 0.5, share * 5.0 * kDegree)

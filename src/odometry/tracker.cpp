@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "geometry/voxel_grid.hpp"
 #include "icp/degeneracy.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/relocation.hpp"
@@ -21,16 +20,12 @@ constexpr double kDegree = 3.14159265358979 / 180.0;
 constexpr double kNewGroundShare = 0.6, kFitScore = 3.0;
 constexpr double kSuddenShare = 0.8, kSuddenScore = 1.5;
 constexpr double kMoment = 0.35;  // seconds
-constexpr std::size_t kFarPoints = 800;
+// From the prediction the far look reaches where the robot was last seen, when that is within this share of
+// the median range, and this turn.
+constexpr double kWithinReach = 0.08, kWithinTurn = 5.0 * kDegree;
 constexpr int kQuietScans = 5;   // after that, before the map may grow
 constexpr int kAttitudes = 100;  // that the upward direction is averaged over
 constexpr int kFalseStarts = 3;  // scans that do not fit the first one: it was no good
-
-PointCloud every_nth(const PointCloud& points, std::size_t n) {
-  std::vector<std::uint32_t> indices;
-  for (std::size_t i = 0; i < points.size(); i += n) indices.push_back(static_cast<std::uint32_t>(i));
-  return select(points, indices);
-}
 
 }  // namespace
 
@@ -100,21 +95,25 @@ struct Tracker::State {
   /// The prior is strong where the robot does what it did; where that does not explain the scan, it is let go
   /// once and a wider kernel tried, from the prediction and from where the robot was last seen.
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
+    if (distrusted_scans > 0) return odometer.probe(scan, prior, Reach::kNear);
     Attempt best = odometer.align(scan, prior, Reach::kNear);
     const bool fits = best.health.score < kFitScore || usual_share(best.health);
-    if ((explains(best, kJumpScore) && fits) || distrusted_scans > 0) return best;
+    if (explains(best, kJumpScore) && fits) return best;
     // A far look is dear, and a part of the points will do for it: the next scan must not wait.
-    PreparedScan part = scan;
-    part.source = every_nth(scan.source, std::max<std::size_t>(scan.source.size() / kFarPoints, 1));
+    const PreparedScan part = part_of(scan);
     MotionPrior loose = prior;
     loose.information *= 0.01;
     Attempt far = odometer.align(part, loose, Reach::kFar);
-    if (!explains(far, kJumpScore)) {
+    const bool moved =
+        !near(prior.mean.pose, last_trusted_pose, kWithinReach * scan.median_range, kWithinTurn);
+    if (moved && !explains(far, kJumpScore)) {
       loose.mean = {last_trusted_pose, Vector6::Zero()};
       far = better(std::move(far), odometer.align(part, loose, Reach::kFar));
     }
-    loose.mean = far.alignment.moving;
-    best = better(std::move(best), odometer.align(scan, loose, Reach::kNear));
+    if (explains(far, kHopelessScore)) {
+      loose.mean = far.alignment.moving;
+      best = better(std::move(best), odometer.align(scan, loose, Reach::kNear));
+    }
     best.prior = prior;
     return best;
   }
@@ -290,6 +289,7 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
   if (!s.begun) {
     if (s.relocation.lost()) {
       s.relocation.distrust(scan.utime, 0, prepared, s.odometer, 1);
+      tracked.method = PoseMethod::kPredicted;
     } else {
       s.start(scan.utime, prepared);
     }
