@@ -35,7 +35,8 @@ icp, aa-icp, fast-icp                      squared distances; plain, accelerated
 4dof                                       no start needed, clouds levelled: the rotation about --up and the translation
                                            that most matches of features agree on, with its proof, checked with the clouds
 4dof+robust-icp, 4dof+robust-icp-plane     the same, refined; the former is the default without --init, and keeps
-                                           the start where that lies closer on the target's planes
+                                           the start where that lies closer on the target's planes; either way it
+                                           comes to rest on these
 robust-icp                                 Welsch's function, nu falling from 3 medians to the sampling of the target
 icp-plane, fast-icp-plane, robust-icp-plane   the same with distances to tangent planes
 symmetric-icp, robust-symmetric-icp        the same with the normals of both clouds

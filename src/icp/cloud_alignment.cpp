@@ -210,16 +210,15 @@ class CloudAligner {
     return problem.evaluate(begin_planes(pose, &problem));
   }
 
-  /// A start that points were carried away from: down to where it rests on the planes.
-  Pose rest_on_planes(const Pose& start) {
+  /// From a pose down to where it rests on the planes.
+  Pose rest_on_planes(const Pose& pose) {
     CloudProblem problem = plane_problem();
     DescentOptions descent;
     descent.anderson_window = AndersonAcceleration::kMaxWindow;
     descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 100;
     descent.max_line_search_steps = kLineSearchSteps;
     descent.tolerance = std::min(tolerance_, kPlaneEffort.last_tolerance * target_.point_nu_min());
-    account(descend(problem, begin_planes(start, &problem), descent));
-    result_.stop_reason = "start";
+    account(descend(problem, begin_planes(pose, &problem), descent));
     finish(problem);
     return problem.pose();
   }
@@ -248,9 +247,12 @@ class CloudAligner {
     descent.tolerance = last_tolerance;
     report_progress(&descent, level / levels, 1.0);
     account(descend(problem, problem.begin(pose, result_.nu_min, gate(result_.nu_min, first_nu)), descent));
-    if (keeps_better_start_ && off_planes(start) < off_planes(problem.pose())) {
+    if (keeps_better_start_) {
       count_searches(problem);
-      return rest_on_planes(start);
+      const bool is_better = off_planes(start) < off_planes(problem.pose());
+      const Pose rest = rest_on_planes(is_better ? start : problem.pose());
+      if (is_better && result_.stop_reason != "degenerate") result_.stop_reason = "start";
+      return rest;
     }
     finish(problem);
     return problem.pose();
