@@ -23,14 +23,18 @@ double degrees(const Pose& difference) {
 }
 
 /// The rotation nearest to the mean of R_reference R_estimate^T, and the translation that goes with it.
-/// Unlike a fit of the positions alone, it is sure on a straight way too.
-Pose mean_alignment(const PosePairs& pairs, double before_s, Overlay kind) {
+/// Unlike a fit of the positions alone, it is sure on a straight way too. Rests on the poses that the
+/// estimate itself stands for: what drifts along a tunnel, and says so, tells nothing of the frame.
+Pose mean_alignment(const PosePairs& pairs, const std::vector<StampedState>& states, double before_s,
+                    Overlay kind) {
   if (kind == Overlay::kNone) return Pose::Identity();
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   Eigen::Vector3d reference = Eigen::Vector3d::Zero(), estimate = Eigen::Vector3d::Zero();
   double count = 0;
   for (const PosePair& pair : pairs) {
     if (count > 0 && pair.time_s >= before_s) break;
+    const auto state = state_at(states, pair.time_s);
+    if (count > 0 && state && state != TrackingState::kTracking) continue;
     sum += pair.reference.linear() * pair.estimate.linear().transpose();
     reference += pair.reference.translation();
     estimate += pair.estimate.translation();
@@ -146,7 +150,7 @@ KidnapReport examine_kidnaps(const Trajectory& reference, const PosePairs& pairs
   KidnapReport report;
   report.kidnaps = find_kidnaps(reference);
   const double first_s = report.kidnaps.empty() ? kNever : report.kidnaps.front().time_s - kSameTime;
-  report.reference_from_estimate = mean_alignment(pairs, first_s, kind);
+  report.reference_from_estimate = mean_alignment(pairs, states, first_s, kind);
   for (std::size_t i = 0; i < report.kidnaps.size(); ++i) {
     const double next_s = i + 1 < report.kidnaps.size() ? report.kidnaps[i + 1].time_s : kNever;
     report.kidnaps[i].recovery_s =

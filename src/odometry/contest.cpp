@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180.0;
 constexpr double kUsualShare = 0.9;   // of the usual share of inliers that a place has to have
-constexpr double kClearShare = 0.75;  // of one that is known by other means: part of it may be new ground
+constexpr double kClearShare = 0.65;  // of one that is known by other means: part of it may be new ground
 constexpr int kWins = 3;              // scans in a row
 constexpr int kMissesAllowed = 1;
 constexpr int kPatience = 8;                           // scans in which it has to be decided
@@ -97,10 +97,14 @@ void Contest::drop_losers() {
     const bool out = place.missed > kMissesAllowed ||
                      (!first && left.front().fits &&
                       place.attempt.cost() > kHopeless * left.front().attempt.cost() + kAtLeast);
-    const bool taken = std::any_of(left.begin(), left.end(), [&](const Place& other) {
+    const auto same = std::find_if(left.begin(), left.end(), [&](const Place& other) {
       return near(other.map_from_predicted, place.map_from_predicted, 0.3, 3.0 * kDegree);
     });
-    if (first || (!out && !taken)) left.push_back(std::move(place));
+    if (same != left.end()) {
+      same->least_share = std::min(same->least_share, place.least_share);
+    } else if (first || !out) {
+      left.push_back(std::move(place));
+    }
   }
   places_ = std::move(left);
 }

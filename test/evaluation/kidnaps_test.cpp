@@ -122,6 +122,19 @@ TEST_CASE("a kidnap that is not noticed is a wrong claim") {
   CHECK(examine(drive).wrong_jumps == 1);
 }
 
+TEST_CASE("what drifts before the kidnap and says so does not shift what was right") {
+  Drive drive = kidnapped_drive(1.0);
+  for (std::size_t i = 20; i < 50; ++i) {
+    drive.states[i].state = TrackingState::kDegraded;
+    drive.estimate[i].pose.translation().x() += static_cast<double>(i - 20);
+  }
+  const KidnapReport report = examine(drive);
+  CHECK(report.wrong_jumps == 0);
+  REQUIRE(report.kidnaps.size() == 1);
+  REQUIRE(report.kidnaps[0].recovery_s);
+  CHECK(*report.kidnaps[0].recovery_s == doctest::Approx(1.0).epsilon(1e-3));
+}
+
 TEST_CASE("drift is no wrong jump and unknown states are said to be unknown") {
   Drive drive = kidnapped_drive(1.3);
   for (std::size_t i = 80; i < 150; ++i)
