@@ -24,6 +24,7 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
     odometer_.start(utime, scan, prior.mean);
     blind_s_ = 0;
     scans_ = 1;
+    up_sum_.setZero();
     return false;
   }
   blind_s_ = 0;
@@ -39,6 +40,16 @@ void Excursion::coast(double dt) {
   MotionPrior prior = odometer_.predict(dt);
   if (blind_s_ > kCoastSeconds) prior.mean.twist.setZero();
   odometer_.coast(prior);
+}
+
+void Excursion::note_up(const Eigen::Vector3d& up_in_body) {
+  up_sum_ += odometer_.state().pose.linear() * up_in_body;
+}
+
+std::optional<Eigen::Vector3d> Excursion::up() const {
+  constexpr double kAgreeing = 0.5;  // of vectors that point anywhere little is left
+  if (!(up_sum_.norm() > kAgreeing)) return std::nullopt;
+  return up_sum_.normalized();
 }
 
 PointCloud Excursion::submap(double radius, Eigen::Vector3d& centre) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "odometry/odometer.hpp"
 
@@ -21,6 +22,11 @@ class Excursion {
   /// The same for a scan without points.
   void coast(double dt);
 
+  /// Which way is up, by an attitude sensor, for the scan that was followed last.
+  void note_up(const Eigen::Vector3d& up_in_body);
+  /// The mean of that since it began, axes of the predicted map frame; nothing without such a sensor.
+  std::optional<Eigen::Vector3d> up() const;
+
   const MovingPose& state() const { return odometer_.state(); }
   const Matrix12& covariance() const { return odometer_.covariance(); }
   /// Of a scan's points, those that its own map explains: what a good map of the same place would.
@@ -37,6 +43,7 @@ class Excursion {
   Odometer odometer_;
   int scans_ = 1;
   double share_ = 0.5;  ///< of the last scan that was followed
+  Eigen::Vector3d up_sum_ = Eigen::Vector3d::Zero();
   double blind_s_ = 0;  ///< since the last scan that was followed
 };
 
