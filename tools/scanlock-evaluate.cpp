@@ -9,9 +9,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "evaluation/log_states.hpp"
 #include "evaluation/report.hpp"
 #include "io/file_bytes.hpp"
-#include "io/log_states.hpp"
 #include "io/trajectory_source.hpp"
 
 namespace {

@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include "daemon/log.hpp"
-#include "io/map_file.hpp"
+#include "daemon/map_file.hpp"
 
 namespace scanlock {
 namespace {

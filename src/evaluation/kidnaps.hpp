@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "evaluation/log_states.hpp"
 #include "evaluation/metrics.hpp"
-#include "io/log_states.hpp"
 
 namespace scanlock {
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace scanlock {
@@ -26,6 +27,32 @@ void for_each_inlier(const LevelMatches& m, const LevelPose& pose, const Visit& 
   for (std::size_t i = first; i < last; ++i) {
     if (squared_ratio(m, i, c, s, pose) <= 1) visit(static_cast<std::uint32_t>(i));
   }
+}
+
+/// Indices by ascending height, then index. Heights spread over many values: they are dealt into bins, and
+/// only each bin is sorted.
+std::vector<std::uint32_t> height_order(const std::vector<double>& heights) {
+  std::vector<std::uint32_t> order(heights.size());
+  if (heights.empty()) return order;
+  const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
+  const double bins = static_cast<double>(heights.size() - 1),
+               scale = *high > *low ? std::min(bins / (*high - *low), 1e300) : 0;
+  const auto bin = [&, low = *low](double height) {
+    return static_cast<std::size_t>(std::min((height - low) * scale, bins));
+  };
+  std::vector<std::uint32_t> ends(heights.size() + 1);
+  for (const double height : heights) ++ends[bin(height) + 1];
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  for (std::uint32_t i = 0; i < heights.size(); ++i) order[ends[bin(heights[i])]++] = i;
+  std::size_t from = 0;
+  for (std::size_t b = 0; b + 1 < ends.size(); from = ends[b++]) {
+    if (ends[b] - from < 2) continue;
+    std::sort(order.begin() + static_cast<std::ptrdiff_t>(from), order.begin() + ends[b],
+              [&](std::uint32_t a, std::uint32_t c) {
+                return heights[a] != heights[c] ? heights[a] < heights[c] : a < c;
+              });
+  }
+  return order;
 }
 
 bool raise(const LevelMatches& m, const LevelPose& pose, Incumbent& best) {
@@ -54,18 +81,15 @@ void LevelMatches::push_back_from(const LevelMatches& other, std::size_t i) {
 }
 
 LevelMatches sorted_by_height(const LevelMatches& matches) {
-  std::vector<std::pair<double, std::uint32_t>> heights(matches.size());
   double reach = 0;
-  for (std::uint32_t i = 0; i < heights.size(); ++i) {
-    heights[i] = {matches.dz[i], i};
+  for (std::size_t i = 0; i < matches.size(); ++i) {
     reach = std::max(reach, std::sqrt(matches.px[i] * matches.px[i] + matches.py[i] * matches.py[i]) +
                                 std::sqrt(matches.qx[i] * matches.qx[i] + matches.qy[i] * matches.qy[i]) +
                                 std::abs(matches.dz[i]) + matches.threshold[i]);
   }
-  std::sort(heights.begin(), heights.end());
   LevelMatches result;
-  result.reserve(heights.size());
-  for (const auto& [height, i] : heights) result.push_back_from(matches, i);
+  result.reserve(matches.size());
+  for (const std::uint32_t i : height_order(matches.dz)) result.push_back_from(matches, i);
   constexpr double kUlps = 16 * 2.3e-16;
   result.rounding = kUlps * reach;
   return result;

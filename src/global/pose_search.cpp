@@ -6,15 +6,16 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "global/box_filter.hpp"
 #include "global/conflicts.hpp"
-#include "global/pose_polish.hpp"
+#include "global/search_answer.hpp"
 #include "global/search_nodes.hpp"
 #include "global/sector_voting.hpp"
 
 namespace scanlock {
 namespace {
 
-constexpr int kSlabSectors = 8;
+constexpr int kSlabSectors = 8, kMostPieces = 8;
 constexpr double kSlabHeight = 6;  // thresholds
 
 class Search {
@@ -22,7 +23,7 @@ class Search {
   Search(const LevelMatches& matches, Incumbent& best, const SearchLimits& limits,
          const std::optional<ExcludedPoses>& excluded, bool pruning)
       : m_(matches),
-        best_(best),
+        answer_(matches, best, excluded, pruning),
         limits_(limits),
         excluded_(excluded),
         pruning_(pruning),
@@ -31,18 +32,18 @@ class Search {
         voting_(matches) {}
 
   SearchResult run();
-  std::vector<std::uint32_t> kept();
+  std::vector<std::uint32_t> kept() const { return answer_.kept(); }
 
  private:
-  /// The least bound that still matters.
-  int wanted() const { return std::max(1, best_.consensus + (pruning_ ? 0 : 1)); }
+  int wanted() const { return answer_.wanted(); }
   void measure();
   void open_slabs();
-  int pieces(const Node& sector, std::size_t matches) const;
+  int pieces(double cell, std::size_t matches) const;
   void divide_slab(const Node& node);
   void push_sector(const PoseBox& slab, double theta, double half_theta, double cell);
   void divide_sector(const Node& node);
   void divide_box(Node& node);
+  void push_box(const PoseBox& box, const std::vector<std::uint32_t>& matches, const Node& origin);
   void look_for_conflicts(Node& node);
   bool matters(const PoseBox& box, double lever) const;
   void seed();
@@ -50,12 +51,10 @@ class Search {
   void dive(const Sector& sector, int bound);
   void dive(const VotedCell& cell);
   void offer(const LevelPose& pose, int consensus, const std::vector<std::uint32_t>& held);
-  void keep(const std::vector<std::uint32_t>& matches);
-  bool all_kept(const std::vector<std::uint32_t>& matches) const;
   bool out_of_budget() const;
 
   const LevelMatches& m_;
-  Incumbent& best_;
+  SearchAnswer answer_;
   const SearchLimits& limits_;
   const std::optional<ExcludedPoses>& excluded_;
   const bool pruning_;
@@ -63,7 +62,6 @@ class Search {
   Conflicts conflicts_;
   SectorVoting voting_;
   SearchNodes open_;
-  std::vector<std::uint8_t> kept_;
   std::vector<std::uint32_t> scratch_[2];
   std::vector<VotedCell> cells_;
   SearchResult result_;
@@ -118,26 +116,30 @@ void Search::push_sector(const PoseBox& slab, double theta, double half_theta, d
   open_.push(std::move(node));
 }
 
-/// Into how many sectors to divide one of so many matches: few, but such that their votes can tell where the
-/// incumbent may be beaten. A sector of half the angle has cells of half the side, and a quarter of the votes
-/// in each.
-int Search::pieces(const Node& sector, std::size_t matches) const {
-  constexpr int kMost = 8;
+/// Into how many sectors to divide one of such cells and so many matches: few, but such that their votes can
+/// tell where the incumbent may be beaten. A sector of half the angle has cells of half the side, and a
+/// quarter of the votes in each.
+int Search::pieces(double cell, std::size_t matches) const {
   constexpr double kCrowding = 20;  // votes of a match, times the fullest cell over the mean
   int count = 2;
-  for (; count < kMost; count *= 2) {
-    const double cell = sector.cell / count;
-    if (kCrowding * static_cast<double>(matches) * cell * cell <= wanted() * spread_ * spread_) break;
+  for (; count < kMostPieces; count *= 2) {
+    const double side = cell / count;
+    if (kCrowding * static_cast<double>(matches) * side * side <= wanted() * spread_ * spread_) break;
   }
   return count;
 }
 
 void Search::divide_slab(const Node& node) {
   const std::size_t n = voting_.load_slab(node.box.centre.z, node.box.half_z);
-  result_.work += n * static_cast<std::size_t>(kSlabSectors);
-  const double half = kPi / kSlabSectors;
-  for (int k = 0; k < kSlabSectors; ++k)
-    push_sector(node.box, (2 * k + 1) * half, half * (1 + 1e-12), slab_cell());
+  // Of very many matches, wide sectors would tell nothing. But as long as chance gives as good a pose as is
+  // known, they lead to a better one.
+  constexpr int kChance = 12;
+  const bool fine = answer_.consensus() > kChance && pieces(slab_cell(), n) == kMostPieces;
+  const int sectors = kSlabSectors * (fine ? kMostPieces : 1);
+  const double half = kPi / sectors, cell = slab_cell() * kSlabSectors / sectors;
+  result_.work += n * static_cast<std::size_t>(sectors);
+  for (int k = 0; k < sectors; ++k)
+    push_sector(node.box, (2 * k + 1) * half, half * (1 + 1e-12), std::max(cell, voting_.smallest_cell()));
 }
 
 void Search::divide_sector(const Node& node) {
@@ -146,7 +148,7 @@ void Search::divide_sector(const Node& node) {
   const std::size_t n = voting_.load(node.matches, node.box.centre.z, node.box.half_z);
   const Sector sector{node.box.centre.z, node.box.half_z, node.box.centre.theta, node.box.half_theta,
                       node.cell};
-  const bool diving = node.bound > best_.consensus && dives_ < kDives;
+  const bool diving = node.bound > answer_.consensus() && dives_ < kDives;
   const bool gathering = node.cell <= voting_.smallest_cell() || n <= kFew;
   if (diving || gathering) {
     voting_.vote(sector);
@@ -158,18 +160,14 @@ void Search::divide_sector(const Node& node) {
   }
   if (gathering && voting_.gather(sector, wanted(), cells_)) {
     for (VotedCell& cell : cells_) {
-      if (pruning_ && all_kept(cell.matches)) continue;
-      Node box;
-      box.kind = NodeKind::kBox;
-      box.box = cell.box;
-      box.bound = static_cast<int>(cell.matches.size());
-      box.lever = lever_;
-      box.matches = std::move(cell.matches);
-      open_.push(std::move(box));
+      if (answer_.all_kept(cell.matches)) continue;
+      Node origin;
+      origin.bound = static_cast<int>(cell.matches.size());
+      push_box(cell.box, cell.matches, origin);
     }
     return;
   }
-  const int sectors = pieces(node, n);
+  const int sectors = pieces(node.cell, n);
   const double half = node.box.half_theta / sectors;
   result_.work += n * static_cast<std::size_t>(sectors);
   for (int k = 0; k < sectors; ++k) {
@@ -200,44 +198,47 @@ void Search::look_for_conflicts(Node& node) {
       std::min(kMostIterations, shrunk && node.tried_size < first_size ? 4 * node.iterations : kIterations);
   node.tried_drops = drops;
   node.tried_size = size;
-  Incumbent found = best_;
+  Incumbent found = answer_.best();
   const bool hopeless = conflicts_.hopeless(node.matches, drops, node.iterations, found);
   result_.work += node.matches.size() * static_cast<std::size_t>(node.iterations);
   if (hopeless) node.bound = std::min(node.bound, wanted() - 1);
-  if (found.consensus > best_.consensus) offer(found.pose, found.consensus, node.matches);
+  if (found.consensus > answer_.consensus()) offer(found.pose, found.consensus, node.matches);
+}
+
+/// A box that the matches of another node, its origin, may be held in.
+void Search::push_box(const PoseBox& box, const std::vector<std::uint32_t>& matches, const Node& origin) {
+  if (excluded_ && excluded_->holds(box)) return;
+  const BoxCounts counts = filter_.filter(box, matches, scratch_[0]);
+  result_.work += matches.size();
+  Node node;
+  node.box = box;
+  const bool possible = counts.possible >= wanted() && filter_.contract(wanted(), node.box);
+  if (counts.at_centre > answer_.consensus()) offer(box.centre, counts.at_centre, scratch_[0]);
+  node.bound = std::min(counts.possible, origin.bound);
+  if (!possible || node.bound < wanted() || answer_.all_kept(scratch_[0])) return;
+  node.kind = NodeKind::kBox;
+  node.lever = counts.lever;
+  node.tried_drops = origin.tried_drops;
+  node.tried_size = origin.tried_size;
+  node.iterations = origin.iterations;
+  node.matches = scratch_[0];
+  open_.push(std::move(node));
 }
 
 void Search::divide_box(Node& node) {
   PoseBox halves[2];
-  if (!filter_.contract(node.matches, wanted(), node.box)) return;
   look_for_conflicts(node);
   if (node.bound < wanted()) return;
   if (!matters(node.box, node.lever)) {
     if (pruning_) {
-      keep(node.matches);
+      answer_.keep(node.matches);
     } else {
       result_.upper_bound = std::max(result_.upper_bound, node.bound);  // cannot be told apart by rounding
     }
     return;
   }
   halve(node.box, node.lever, halves);
-  for (const PoseBox& half : halves) {
-    if (excluded_ && excluded_->holds(half)) continue;
-    const BoxCounts counts = filter_.filter(half, node.matches, scratch_[0]);
-    result_.work += node.matches.size();
-    if (counts.at_centre > best_.consensus) offer(half.centre, counts.at_centre, scratch_[0]);
-    if (counts.possible < wanted() || (pruning_ && all_kept(scratch_[0]))) continue;
-    Node child;
-    child.kind = NodeKind::kBox;
-    child.bound = std::min(counts.possible, node.bound);
-    child.box = half;
-    child.lever = counts.lever;
-    child.tried_drops = node.tried_drops;
-    child.tried_size = node.tried_size;
-    child.iterations = node.iterations;
-    child.matches = scratch_[0];
-    open_.push(std::move(child));
-  }
+  for (const PoseBox& half : halves) push_box(half, node.matches, node);
 }
 
 /// Without a pose nothing closes: goes down the fullest sectors of the fullest slab before all else.
@@ -288,13 +289,14 @@ void Search::dive(const VotedCell& cell) {
   PoseBox box = cell.box, halves[2];
   double lever = lever_;
   std::vector<std::uint32_t> matches = cell.matches;
-  while (static_cast<int>(matches.size()) > best_.consensus && matters(box, lever) &&
+  while (static_cast<int>(matches.size()) > answer_.consensus() && matters(box, lever) &&
          std::max(box.half_x, box.half_theta * lever) > 0.25 * m_.largest_threshold) {
     halve(box, lever, halves);
     BoxCounts counts[2];
     for (int k = 0; k < 2; ++k) {
       counts[k] = filter_.filter(halves[k], matches, scratch_[k]);
-      if (counts[k].at_centre > best_.consensus) offer(halves[k].centre, counts[k].at_centre, scratch_[k]);
+      if (counts[k].at_centre > answer_.consensus())
+        offer(halves[k].centre, counts[k].at_centre, scratch_[k]);
     }
     result_.work += 2 * matches.size();
     const int fuller = counts[1].possible > counts[0].possible ? 1 : 0;
@@ -302,31 +304,14 @@ void Search::dive(const VotedCell& cell) {
     lever = counts[fuller].lever;
     matches.swap(scratch_[fuller]);
   }
-  if (static_cast<int>(matches.size()) <= best_.consensus) return;
+  if (static_cast<int>(matches.size()) <= answer_.consensus()) return;
   offer(fit(m_, matches), 0, matches);
 }
 
 void Search::offer(const LevelPose& pose, int count, const std::vector<std::uint32_t>& held) {
-  if (excluded_ && excluded_->holds(pose)) return;
   constexpr std::size_t kClimb = 16;  // times that a climb looks at a match
   result_.work += kClimb * held.size();
-  const int before = best_.consensus;
-  if (count > best_.consensus) best_ = {pose, count};
-  Incumbent climbed = best_;
-  climb(m_, held, climbed);
-  if (climbed.consensus > before) polish(m_, climbed);
-  if (climbed.consensus > best_.consensus && !(excluded_ && excluded_->holds(climbed.pose))) best_ = climbed;
-  if (best_.consensus == before) return;
-  dives_ = 0;
-  if (pruning_) keep(inliers(m_, best_.pose));
-}
-
-void Search::keep(const std::vector<std::uint32_t>& matches) {
-  for (const std::uint32_t i : matches) kept_[i] = 1;
-}
-
-bool Search::all_kept(const std::vector<std::uint32_t>& matches) const {
-  return std::all_of(matches.begin(), matches.end(), [&](std::uint32_t i) { return kept_[i] != 0; });
+  if (answer_.offer(pose, count, held)) dives_ = 0;
 }
 
 bool Search::out_of_budget() const {
@@ -336,20 +321,18 @@ bool Search::out_of_budget() const {
 
 SearchResult Search::run() {
   if (m_.size() > 0) {
-    kept_.assign(m_.size(), 0);
-    if (pruning_) keep(inliers(m_, best_.pose));
     measure();
     open_slabs();
-    if (!excluded_ && (pruning_ || best_.consensus == 0)) seed();
+    if (!excluded_ && (pruning_ || answer_.consensus() == 0)) seed();
   }
   while (!open_.empty() && open_.highest_bound() >= wanted()) {
     if (out_of_budget()) {
-      result_.upper_bound = std::max({result_.upper_bound, open_.highest_bound(), best_.consensus});
+      result_.upper_bound = std::max({result_.upper_bound, open_.highest_bound(), answer_.consensus()});
       return result_;
     }
     constexpr std::size_t kNodesBetweenReports = 1024;
     if (limits_.progress && result_.nodes % kNodesBetweenReports == 0)
-      limits_.progress(best_.consensus, open_.highest_bound());
+      limits_.progress(answer_.consensus(), open_.highest_bound());
     Node node = open_.pop();
     ++result_.nodes;
     switch (node.kind) {
@@ -364,17 +347,9 @@ SearchResult Search::run() {
         break;
     }
   }
-  result_.finished = result_.upper_bound <= best_.consensus;
-  result_.upper_bound = std::max(result_.upper_bound, best_.consensus);
+  result_.finished = result_.upper_bound <= answer_.consensus();
+  result_.upper_bound = std::max(result_.upper_bound, answer_.consensus());
   return result_;
-}
-
-std::vector<std::uint32_t> Search::kept() {
-  std::vector<std::uint32_t> list;
-  for (std::uint32_t i = 0; i < kept_.size(); ++i) {
-    if (kept_[i]) list.push_back(i);
-  }
-  return list;
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ SectorVoting::SectorVoting(const LevelMatches& m) : m_(m) {
     reach = std::max(reach, std::sqrt(m.px[i] * m.px[i] + m.py[i] * m.py[i]) +
                                 std::sqrt(m.qx[i] * m.qx[i] + m.qy[i] * m.qy[i]) + m.threshold[i]);
     narrow_.push_back({static_cast<float>(m.px[i]), static_cast<float>(m.py[i]), static_cast<float>(m.qx[i]),
-                       static_cast<float>(m.qy[i])});
+                       static_cast<float>(m.qy[i]), m.dz[i], bounding_limit(m, i)});
   }
   // Each of some ten float operations errs by at most 6e-8 of what it adds up.
   margin_ = static_cast<float>(2e-6 * reach);
@@ -23,112 +23,129 @@ SectorVoting::SectorVoting(const LevelMatches& m) : m_(m) {
   smallest_cell_ = std::max(4 * m.largest_threshold, 2 * static_cast<double>(offset_) / kFinest);
 }
 
-void SectorVoting::resize(std::size_t n) {
-  matches_.resize(n);
-  for (std::vector<float>* column : {&px_, &py_, &qx_, &qy_, &reach_}) column->resize(n);
-}
-
-/// Loads it in place k if the slab can hold it; returns the next place.
-std::size_t SectorVoting::load_one(std::size_t k, std::uint32_t i, double z, double half_z) {
-  const double limit = bounding_limit(m_, i), gap = std::max(0.0, std::abs(m_.dz[i] - z) - half_z);
-  const double square = limit * limit - gap * gap;
-  matches_[k] = i;
-  px_[k] = narrow_[i].px;
-  py_[k] = narrow_[i].py;
-  qx_[k] = narrow_[i].qx;
-  qy_[k] = narrow_[i].qy;
-  reach_[k] = static_cast<float>(std::sqrt(std::max(0.0, square))) + margin_;
-  return k + (square >= 0);
-}
-
-/// Which lanes of height can hold each match.
-void SectorVoting::set_lanes(double z, double half_z) {
+void SectorVoting::set_slab(double z, double half_z, std::size_t most) {
   z_ = z;
   half_z_ = half_z;
-  lanes_ = few() ? VoteTable<std::int16_t>::kLanes : VoteTable<std::int32_t>::kLanes;
-  const double half = half_z / lanes_;
-  votes_.assign(matches_.size(), 0);
-  for (int lane = 0; lane < lanes_; ++lane) {
-    const double centre = z - half_z + (2 * lane + 1) * half;
-    const std::uint64_t vote =
-        few() ? VoteTable<std::int16_t>::vote_in(lane) : VoteTable<std::int32_t>::vote_in(lane);
-    for (std::size_t k = 0; k < matches_.size(); ++k) {
-      const std::uint32_t i = matches_[k];
-      const double limit = bounding_limit(m_, i) + half * (1 + 1e-9) + m_.rounding;
-      votes_[k] |= std::abs(m_.dz[i] - centre) <= limit ? vote : 0;
+  resize(most);
+  few_ = most <= VoteTable<std::int16_t>::kMost;
+  lanes_ = few_ ? VoteTable<std::int16_t>::kLanes : VoteTable<std::int32_t>::kLanes;
+  for (int first = 0; first < lanes_; ++first) {
+    std::uint64_t vote = 0;
+    for (int last = first; last < lanes_; ++last) {
+      vote |= few_ ? VoteTable<std::int16_t>::vote_in(last) : VoteTable<std::int32_t>::vote_in(last);
+      lane_votes_[static_cast<std::size_t>(first * kMostLanes + last)] = vote;
     }
   }
 }
 
+void SectorVoting::resize(std::size_t n) {
+  matches_.resize(n);
+  votes_.resize(n);
+  blocks_.resize(n);
+  for (std::vector<float>* column : {&px_, &py_, &qx_, &qy_, &reach_}) column->resize(n);
+  for (std::vector<std::int32_t>* span : {&i0_, &i1_, &j0_, &j1_}) span->resize(n);
+}
+
+/// Loads it in place k if the slab can hold it; returns the next place.
+std::size_t SectorVoting::load_one(std::size_t k, std::uint32_t i) {
+  const Narrow& m = narrow_[i];
+  const double height = m.dz - z_, gap = std::max(0.0, std::abs(height) - half_z_);
+  const double square = m.limit * m.limit - gap * gap;
+  matches_[k] = i;
+  px_[k] = m.px;
+  py_[k] = m.py;
+  qx_[k] = m.qx;
+  qy_[k] = m.qy;
+  reach_[k] = std::sqrt(static_cast<float>(std::max(0.0, square))) + margin_;
+  const double limit = m.limit * (1 + 1e-9) + m_.rounding, lanes = 0.5 * lanes_ / half_z_;
+  const double first = (height - limit + half_z_) * lanes, last = (height + limit + half_z_) * lanes;
+  const int top = lanes_ - 1;
+  votes_[k] = lane_votes_[static_cast<std::size_t>(std::clamp(static_cast<int>(first), 0, top) * kMostLanes +
+                                                   std::clamp(static_cast<int>(last), 0, top))];
+  return k + (square >= 0);
+}
+
 std::size_t SectorVoting::load_slab(double z, double half_z) {
   const double outside = m_.largest_threshold * (1 + kRelativeTolerance) + m_.rounding;
-  const auto [first, last] = height_range(m_, z - half_z - outside, z + half_z + outside);
-  resize(last - first);
+  const auto [from, to] = height_range(m_, z - half_z - outside, z + half_z + outside);
+  set_slab(z, half_z, to - from);
   std::size_t n = 0;
-  for (std::size_t i = first; i < last; ++i) n = load_one(n, static_cast<std::uint32_t>(i), z, half_z);
+  for (std::size_t i = from; i < to; ++i) n = load_one(n, static_cast<std::uint32_t>(i));
   resize(n);
-  set_lanes(z, half_z);
   return n;
 }
 
 std::size_t SectorVoting::load(const std::vector<std::uint32_t>& matches, double z, double half_z) {
-  resize(matches.size());
+  set_slab(z, half_z, matches.size());
   std::size_t n = 0;
-  for (const std::uint32_t i : matches) n = load_one(n, i, z, half_z);
+  for (const std::uint32_t i : matches) n = load_one(n, i);
   resize(n);
-  set_lanes(z, half_z);
   return n;
 }
 
 /// The rectangle about q - R p over the sector, widened by the threshold, in cells; see BoxFilter.
-void SectorVoting::find_spans(const Sector& sector) {
-  const std::size_t n = matches_.size();
-  for (std::vector<std::int32_t>* span : {&i0_, &i1_, &j0_, &j1_}) span->resize(n);
+void SectorVoting::find_cells(const Sector& sector) {
+  using Table = VoteTable<std::int16_t>;
   const float c = static_cast<float>(std::cos(sector.theta)), s = static_cast<float>(std::sin(sector.theta));
   const float across = static_cast<float>(std::sin(sector.half_theta));
   const float along = static_cast<float>(0.5 * (1 - std::cos(sector.half_theta))), middle = 1 - along;
   const float scale = static_cast<float>(1 / sector.cell), offset = offset_;
   const float *px = px_.data(), *py = py_.data(), *qx = qx_.data(), *qy = qy_.data(), *reach = reach_.data();
   std::int32_t *i0 = i0_.data(), *i1 = i1_.data(), *j0 = j0_.data(), *j1 = j1_.data();
-  for (std::size_t k = 0; k < n; ++k) {
+  std::uint32_t* block = blocks_.data();
+  for (std::size_t k = 0, n = matches_.size(); k < n; ++k) {
     const float rx = c * px[k] - s * py[k], ry = s * px[k] + c * py[k];
     const float half_x = std::abs(ry) * across + std::abs(rx) * along + reach[k];
     const float half_y = std::abs(rx) * across + std::abs(ry) * along + reach[k];
     const float x = qx[k] - middle * rx + offset, y = qy[k] - middle * ry + offset;
-    i0[k] = static_cast<std::int32_t>((x - half_x) * scale);  // positive: truncation rounds down
-    i1[k] = static_cast<std::int32_t>((x + half_x) * scale);
-    j0[k] = static_cast<std::int32_t>((y - half_y) * scale);
-    j1[k] = static_cast<std::int32_t>((y + half_y) * scale);
+    const auto left = static_cast<std::int32_t>((x - half_x) * scale);  // positive: truncation rounds down
+    const auto right = static_cast<std::int32_t>((x + half_x) * scale);
+    const auto low = static_cast<std::int32_t>((y - half_y) * scale);
+    const auto high = static_cast<std::int32_t>((y + half_y) * scale);
+    i0[k] = left;
+    i1[k] = right;
+    j0[k] = low;
+    j1[k] = high;
+    const std::uint32_t place = Table::block(left, low) + (right > left ? Table::kTwoAlongI : 0) +
+                                (high > low ? Table::kTwoAlongJ : 0);
+    block[k] = ((right - left) | (high - low)) > 1 ? kNoBlock : place;
+  }
+}
+
+/// Covers the cells that a match votes for, each once.
+template <typename Visit>
+void SectorVoting::for_each_block(std::size_t k, const Visit& visit) const {
+  using Table = VoteTable<std::int16_t>;
+  const std::int32_t last_i = std::min(i1_[k], i0_[k] + kSide - 1),
+                     last_j = std::min(j1_[k], j0_[k] + kSide - 1);
+  for (std::int32_t j = j0_[k]; j <= last_j; j += 2) {
+    const std::uint32_t two_up = j < last_j ? Table::kTwoAlongJ : 0;
+    for (std::int32_t i = i0_[k]; i <= last_i; i += 2)
+      visit(Table::block(i, j) + two_up + (i < last_i ? Table::kTwoAlongI : 0));
   }
 }
 
 template <typename Lane>
 int SectorVoting::vote(VoteTable<Lane>& table) {
   table.clear();
-  for (std::size_t k = 0; k < matches_.size(); ++k) {
-    const std::int32_t i0 = i0_[k], j0 = j0_[k], i1 = i1_[k], j1 = j1_[k];
-    const std::uint64_t vote = votes_[k];
-    if (i1 - i0 <= 1 && j1 - j0 <= 1) {  // most; a loop would be mispredicted at every end
-      const std::uint64_t right = i1 > i0 ? vote : 0, up = j1 > j0 ? vote : 0;
-      table.add(table.slot(i0, j0), vote);
-      table.add(table.slot(i0 + 1, j0), right);
-      table.add(table.slot(i0, j0 + 1), up);
-      table.add(table.slot(i0 + 1, j0 + 1), right & up);
-      continue;
-    }
-    const std::int32_t last_i = std::min(i1, i0 + kSide - 1), last_j = std::min(j1, j0 + kSide - 1);
-    for (std::int32_t j = j0; j <= last_j; ++j) {
-      for (std::int32_t i = i0; i <= last_i; ++i) table.add(table.slot(i, j), vote);
-    }
+  large_.resize(matches_.size());
+  std::size_t large = 0;
+  for (std::size_t k = 0; k < matches_.size(); ++k) {  // without a branch, which would be mispredicted
+    large_[large] = static_cast<std::uint32_t>(k);
+    large += blocks_[k] == kNoBlock;
+    table.add(blocks_[k], votes_[k]);
   }
-  const auto most = table.most();
+  large_.resize(large);
+  for (const std::uint32_t k : large_)
+    for_each_block(k, [&](std::uint32_t block) { table.add(block, votes_[k]); });
+  const auto most = table.count();
   std::copy(most.begin(), most.end(), most_.begin());
   return *std::max_element(most.begin(), most.end());
 }
 
 int SectorVoting::vote(const Sector& sector) {
-  find_spans(sector);
-  return few() ? vote(table_) : vote(wide_table_);
+  find_cells(sector);
+  return few_ ? vote(table_) : vote(wide_table_);
 }
 
 void SectorVoting::heights(int at_least, double& z, double& half_z) const {
@@ -143,36 +160,24 @@ void SectorVoting::heights(int at_least, double& z, double& half_z) const {
 }
 
 template <typename Lane>
-void SectorVoting::open_matches(VoteTable<Lane>& table, int at_least,
-                                std::vector<std::uint32_t>& matches) const {
+void SectorVoting::open_matches(VoteTable<Lane>& table, int at_least, std::vector<std::uint32_t>& matches) {
   table.mark(at_least);
-  const auto is_open = [&](std::size_t k) {
-    const std::uint64_t vote = votes_[k];
-    if (i1_[k] - i0_[k] <= 1 && j1_[k] - j0_[k] <= 1) {
-      return (table.marked(table.slot(i0_[k], j0_[k]), vote) |
-              table.marked(table.slot(i1_[k], j0_[k]), vote) |
-              table.marked(table.slot(i0_[k], j1_[k]), vote) |
-              table.marked(table.slot(i1_[k], j1_[k]), vote)) != 0;
-    }
-    const std::int32_t i1 = std::min(i1_[k], i0_[k] + kSide - 1), j1 = std::min(j1_[k], j0_[k] + kSide - 1);
-    for (std::int32_t j = j0_[k]; j <= j1; ++j) {
-      for (std::int32_t i = i0_[k]; i <= i1; ++i) {
-        if (table.marked(table.slot(i, j), vote)) return true;
-      }
-    }
-    return false;
-  };
-  matches.resize(matches_.size());
+  for (const std::uint32_t k : large_) {
+    std::uint64_t marks = 0;
+    for_each_block(k, [&](std::uint32_t block) { marks |= table.marked(block, votes_[k]); });
+    blocks_[k] = marks != 0 ? kMarkedBlock : kNoBlock;
+  }
+  open_.resize(matches_.size());
   std::size_t count = 0;
   for (std::size_t k = 0; k < matches_.size(); ++k) {
-    matches[count] = matches_[k];
-    count += is_open(k);
+    open_[count] = matches_[k];
+    count += table.marked(blocks_[k], votes_[k]) != 0;
   }
-  matches.resize(count);
+  matches.assign(open_.begin(), open_.begin() + static_cast<std::ptrdiff_t>(count));
 }
 
 void SectorVoting::open_matches(int at_least, std::vector<std::uint32_t>& matches) {
-  few() ? open_matches(table_, at_least, matches) : open_matches(wide_table_, at_least, matches);
+  few_ ? open_matches(table_, at_least, matches) : open_matches(wide_table_, at_least, matches);
 }
 
 template <typename Lane>
@@ -185,9 +190,11 @@ void SectorVoting::collect_entries(VoteTable<Lane>& table, int at_least) {
       wide_.push_back(matches_[k]);
       continue;
     }
+    const bool is_large = blocks_[k] >= kNoBlock;
+    if (!is_large && table.marked(blocks_[k], votes_[k]) == 0) continue;
     for (std::int32_t j = j0_[k]; j <= j1_[k]; ++j) {
       for (std::int32_t i = i0_[k]; i <= i1_[k]; ++i) {
-        if (!table.marked(table.slot(i, j), votes_[k])) continue;
+        if (!table.marked(table.block(i, j), votes_[k])) continue;
         const std::uint64_t cell = static_cast<std::uint64_t>(j) << 32 | static_cast<std::uint32_t>(i);
         entries_.push_back({cell, matches_[k]});
       }
@@ -198,8 +205,7 @@ void SectorVoting::collect_entries(VoteTable<Lane>& table, int at_least) {
 bool SectorVoting::gather(const Sector& sector, int at_least, std::vector<VotedCell>& cells) {
   cells.clear();
   const auto least = static_cast<std::size_t>(std::max(at_least, 1));
-  few() ? collect_entries(table_, std::max(at_least, 1))
-        : collect_entries(wide_table_, std::max(at_least, 1));
+  few_ ? collect_entries(table_, std::max(at_least, 1)) : collect_entries(wide_table_, std::max(at_least, 1));
   if (wide_.size() >= least) return false;
   std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
     return a.cell != b.cell ? a.cell < b.cell : a.match < b.match;

@@ -57,23 +57,27 @@ class SectorVoting {
     std::uint64_t cell;
     std::uint32_t match;
   };
+  static constexpr std::uint32_t kNoBlock = VoteTable<std::int16_t>::kNoBlock,
+                                 kMarkedBlock = VoteTable<std::int16_t>::kMarkedBlock;
   bool is_wide(std::size_t k) const { return i1_[k] - i0_[k] >= kSide || j1_[k] - j0_[k] >= kSide; }
   PoseBox cell_box(const Sector& sector, std::uint64_t cell) const;
-  void find_spans(const Sector& sector);
+  void find_cells(const Sector& sector);
 
   void resize(std::size_t n);
-  std::size_t load_one(std::size_t place, std::uint32_t match, double z, double half_z);
-  void set_lanes(double z, double half_z);
-  bool few() const { return matches_.size() <= VoteTable<std::int16_t>::kMost; }
+  void set_slab(double z, double half_z, std::size_t most);
+  std::size_t load_one(std::size_t place, std::uint32_t match);
   template <typename Lane>
   int vote(VoteTable<Lane>& table);
+  template <typename Visit>
+  void for_each_block(std::size_t k, const Visit& visit) const;
   template <typename Lane>
-  void open_matches(VoteTable<Lane>& table, int at_least, std::vector<std::uint32_t>& matches) const;
+  void open_matches(VoteTable<Lane>& table, int at_least, std::vector<std::uint32_t>& matches);
   template <typename Lane>
   void collect_entries(VoteTable<Lane>& table, int at_least);
 
   struct Narrow {
     float px, py, qx, qy;
+    double dz, limit;
   };
   const LevelMatches& m_;
   std::vector<Narrow> narrow_;
@@ -82,15 +86,19 @@ class SectorVoting {
   std::vector<std::uint32_t> matches_;            // loaded, and what they are:
   std::vector<float> px_, py_, qx_, qy_, reach_;  // reach: the horizontal threshold in the slab
   std::vector<std::int32_t> i0_, i1_, j0_, j1_;   // the cells that they vote for, ends included
+  std::vector<std::uint64_t> votes_;              // in the lanes that can hold the match
+  std::vector<std::uint32_t> blocks_;             // of those cells, if not too many for that
+  std::vector<std::uint32_t> large_;              // places of the others
   // A slab is divided by height into as many lanes as the table has.
   double z_ = 0, half_z_ = 0;
   int lanes_ = kMostLanes;
-  std::vector<std::uint64_t> votes_;  // in the lanes that can hold the match
+  bool few_ = true;  // matches, so that a narrow table holds their votes
+  std::array<std::uint64_t, kMostLanes * kMostLanes> lane_votes_{};  // by the first lane and the last
   std::array<int, kMostLanes> most_{};
   VoteTable<std::int16_t> table_;
   VoteTable<std::int32_t> wide_table_;  // for very many matches
   std::vector<Entry> entries_;
-  std::vector<std::uint32_t> wide_;
+  std::vector<std::uint32_t> wide_, open_;
 };
 
 }  // namespace scanlock

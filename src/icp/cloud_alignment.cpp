@@ -195,13 +195,33 @@ class CloudAligner {
     return pose;
   }
 
-  /// Energy of distances to planes at a pose, over all points.
-  double off_planes(const Pose& pose) const {
+  /// Of distances to planes, over all points: the energy that tells how good a pose is.
+  CloudProblem plane_problem() const {
     CloudProblem::Setup setup = setup_;
     setup.objective = IcpObjective::kPlane;
-    CloudProblem problem(source_.points, target_, setup);
+    return CloudProblem(source_.points, target_, setup);
+  }
+  StateVector begin_planes(const Pose& pose, CloudProblem* problem) const {
     const double nu = target_.point_nu_min();
-    return problem.evaluate(problem.begin(pose, nu, 3.0 * nu + kGateMargin * target_.spacing()));
+    return problem->begin(pose, nu, 3.0 * nu + kGateMargin * target_.spacing());
+  }
+  double off_planes(const Pose& pose) const {
+    CloudProblem problem = plane_problem();
+    return problem.evaluate(begin_planes(pose, &problem));
+  }
+
+  /// A start that points were carried away from: down to where it rests on the planes.
+  Pose rest_on_planes(const Pose& start) {
+    CloudProblem problem = plane_problem();
+    DescentOptions descent;
+    descent.anderson_window = AndersonAcceleration::kMaxWindow;
+    descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 100;
+    descent.max_line_search_steps = kLineSearchSteps;
+    descent.tolerance = std::min(tolerance_, kPlaneEffort.last_tolerance * target_.point_nu_min());
+    account(descend(problem, begin_planes(start, &problem), descent));
+    result_.stop_reason = "start";
+    finish(problem);
+    return problem.pose();
   }
 
   Pose solve_robust(const Pose& start) {
@@ -229,8 +249,8 @@ class CloudAligner {
     report_progress(&descent, level / levels, 1.0);
     account(descend(problem, problem.begin(pose, result_.nu_min, gate(result_.nu_min, first_nu)), descent));
     if (keeps_better_start_ && off_planes(start) < off_planes(problem.pose())) {
-      result_.energy = problem.evaluate(problem.begin(start, result_.nu_min, gate(result_.nu_min, first_nu)));
-      result_.stop_reason = "start";
+      count_searches(problem);
+      return rest_on_planes(start);
     }
     finish(problem);
     return problem.pose();

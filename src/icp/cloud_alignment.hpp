@@ -38,7 +38,8 @@ struct CloudAlignmentOptions {
   double voxel = 0;      ///< metres that both clouds were thinned to; 0: they are whole
   /// For robust distances to points, from a start that may be good already: rows and rings hold on to those
   /// of the other scan, and can carry it off. Where the start lies closer on the target's tangent planes it
-  /// is the result, stop_reason "start". Takes a target whose normals are prepared.
+  /// is kept, stop_reason "start", and only brought to rest on them. Takes a target whose normals are
+  /// prepared.
   bool start_may_be_better = false;
   bool thorough = false;                 ///< all points and the final tolerance at every nu, as in the paper
   int threads = 1;                       ///< does not change the result

@@ -5,6 +5,14 @@
 #include <utility>
 
 namespace scanlock {
+namespace {
+
+constexpr double kBendGain = 0.4;
+constexpr double kBentMetres = 2.5, kBentRadians = 0.5;  // a second
+constexpr double kShort = 0.3;  // seconds: over longer ones the velocity may well be another than on the way
+
+}  // namespace
+
 Excursion::Excursion(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& predicted)
     : config_(config), odometer_(config) {
@@ -21,18 +29,40 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
     attempt = better(std::move(attempt), odometer_.probe(scan, loose, Reach::kFar));
   }
   if (!explains(attempt, kJumpScore)) {
-    odometer_.start(utime, scan, prior.mean);
-    blind_s_ = 0;
-    scans_ = 1;
-    up_sum_.setZero();
+    begin_anew(utime, scan, prior.mean);
     return false;
   }
+  const MovingPose before = odometer_.state();
   blind_s_ = 0;
   share_ = attempt.health.share;
   odometer_.accept(attempt);
+  if (is_bent(before, dt)) {
+    MovingPose straight = odometer_.state();
+    straight.twist = se3_log(before.pose.inverse() * straight.pose) / dt;
+    begin_anew(utime, scan, straight);
+    return false;
+  }
   odometer_.keep(utime, scan, attempt.health.share);
   ++scans_;
   return true;
+}
+
+void Excursion::begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted) {
+  odometer_.start(utime, scan, predicted);
+  bend_.setZero();
+  up_sum_.setZero();
+  blind_s_ = 0;
+  scans_ = 1;
+}
+
+/// Scans that a wrong velocity bends all alike fit each other, so that nothing else tells: but the way from
+/// scan to scan is another than the velocity says.
+bool Excursion::is_bent(const MovingPose& before, double dt) {
+  if (scans_ == 1 || dt > kShort) return false;  // the velocity before the first scan is hearsay
+  const MovingPose& now = odometer_.state();
+  const Vector6 way = se3_log(before.pose.inverse() * now.pose) / dt;
+  bend_ += kBendGain * (0.5 * (before.twist + now.twist) - way - bend_);
+  return bend_.head<3>().norm() > kBentMetres || bend_.tail<3>().norm() > kBentRadians;
 }
 
 void Excursion::coast(double dt) {

@@ -39,10 +39,14 @@ class Excursion {
   PointCloud submap(double radius, Eigen::Vector3d& centre) const;
 
  private:
+  void begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted);
+  bool is_bent(const MovingPose& before, double dt);
+
   TrackerConfig config_;
   Odometer odometer_;
   int scans_ = 1;
-  double share_ = 0.5;  ///< of the last scan that was followed
+  double share_ = 0.5;              ///< of the last scan that was followed
+  Vector6 bend_ = Vector6::Zero();  ///< velocity, less what the way from scan to scan says; a mean
   Eigen::Vector3d up_sum_ = Eigen::Vector3d::Zero();
   double blind_s_ = 0;  ///< since the last scan that was followed
 };

@@ -3,6 +3,7 @@
 #include "odometry/place_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace scanlock {
@@ -10,9 +11,12 @@ namespace {
 
 constexpr int kFirstScans = 6;        // that make the first submap
 constexpr int kLongestPause = 30;     // scans between two requests
-constexpr double kSourceReach = 2.5;  // of the scene's size, radius of what is looked for
-constexpr double kOffset = 20.0;      // metres: how far from a centre the robot is looked for
-constexpr double kVoxel = 0.03;       // of the scene's size
+constexpr int kSecondLook = 1;        // scans before one that follows a find
+constexpr double kSourceReach = 5.6;  // of the scene's size, radius of what is looked for
+constexpr double kVoxel = 0.0675;     // of the scene's size
+// What looks alike on one scale seldom does so on another.
+constexpr std::array<double, 3> kScales = {1.0, 1.35, 0.75};
+constexpr double kOffset = 20.0;  // metres: how far from a centre the robot is looked for
 
 Eigen::Vector3d nearest_place(const KeyframeArchive& archive, const Eigen::Vector3d& centre) {
   const auto distance = [&](const ArchivedKeyframe& k) {
@@ -28,7 +32,7 @@ Eigen::Vector3d nearest_place(const KeyframeArchive& archive, const Eigen::Vecto
 
 void PlaceSearch::begin(const Eigen::Vector3d& anchor) {
   anchor_ = anchor;
-  attempts_ = 0;
+  attempts_ = turn_ = 0;
   round_ = 2;
 }
 
@@ -43,7 +47,7 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
   if (out_ || archive.empty() || excursion.scans() < scans_wanted_) return std::nullopt;
   const std::vector<Eigen::Vector3d> others = other_centres(archive);
   round_ = 2 + static_cast<int>(others.size());
-  const int turn = attempts_ % round_;
+  const int turn = turn_ % round_;
 
   RecoveryRequest request;
   request.serial = ++serial_;
@@ -51,19 +55,21 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
   // The centre is where a sensor was, so that what it saw through is known to be empty.
   request.target_centre =
       nearest_place(archive, turn < 2 ? anchor_ : others[static_cast<std::size_t>(turn - 2)]);
-  const double scene = archive.scene(request.target_centre);
+  const double scene =
+      kScales[static_cast<std::size_t>(attempts_) % kScales.size()] * archive.scene(request.target_centre);
   request.radius = kSourceReach * scene + kOffset;
   request.voxel = kVoxel * scene;
   request.places = archive.keyframes();
   request.source = excursion.submap(kSourceReach * scene, request.source_centre);
   request.up = up.value_or(Eigen::Vector3d::UnitZ());
-  // A measured attitude goes for every place; by turns it is not trusted, for an accelerated sensor is
-  // biased.
-  if (up && (attempts_ + attempts_ / round_) % 2 == 0) request.source_up = excursion.up();
+  // A measured attitude goes for every place. Every other round does without: what accelerates measures
+  // badly.
+  if (up && (turn_ / round_) % 2 == 0) request.source_up = excursion.up();
   request.body_up = excursion.state().pose.linear().col(2);
   out_ = true;
   void_ = false;
-  scans_wanted_ = excursion.scans() + std::min(3 + attempts_, kLongestPause);
+  scans_asked_ = excursion.scans();
+  scans_wanted_ = scans_asked_ + std::min(3 + attempts_, kLongestPause);
   return request;
 }
 
@@ -72,7 +78,13 @@ bool PlaceSearch::take(std::int64_t serial) {
   out_ = false;
   if (void_) return false;
   ++attempts_;
+  ++turn_;
   return true;
+}
+
+void PlaceSearch::look_again() {
+  --turn_;
+  scans_wanted_ = std::min(scans_wanted_, scans_asked_ + kSecondLook);
 }
 
 std::vector<Eigen::Vector3d> PlaceSearch::other_centres(const KeyframeArchive& archive) const {

@@ -29,7 +29,9 @@ class PlaceSearch {
                                       const std::optional<Eigen::Vector3d>& up);
   /// The answer to a request came in; false when it is too late.
   bool take(std::int64_t serial);
-  bool looked_everywhere() const { return attempts_ >= 2 && attempts_ >= round_; }
+  /// There is something: the next look, of another scale, is at the same part of the map, and soon.
+  void look_again();
+  bool looked_everywhere() const { return turn_ >= 2 && turn_ >= round_; }
 
  private:
   std::vector<Eigen::Vector3d> other_centres(const KeyframeArchive& archive) const;
@@ -38,8 +40,10 @@ class PlaceSearch {
   std::int64_t serial_ = 0;
   bool out_ = false, void_ = false;
   int attempts_ = 0;      ///< answered since the robot was lost
-  int round_ = 2;         ///< attempts that look everywhere once
-  int scans_wanted_ = 0;  ///< by the excursion, before the next request
+  int turn_ = 0;          ///< parts of the map done with
+  int round_ = 2;         ///< turns that look everywhere once
+  int scans_asked_ = 0;   ///< that the excursion had at the last request,
+  int scans_wanted_ = 0;  ///< and has to have for the next one
 };
 
 }  // namespace scanlock

@@ -14,6 +14,8 @@ constexpr std::size_t kMostPlaces = 5;  // tried at once
 constexpr int kPatience = 20;           // scans in which a lost robot feels around on each,
 constexpr int kSeldom = 5;              // and after that on every fifth
 constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
+constexpr double kSamePlace = 1.0;      // metres: finds of two searches that mean the same,
+constexpr double kSameHeading = 6.0 * kDegree;
 constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
 
 /// Whether the map at hand is one of that place.
@@ -156,23 +158,38 @@ std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, cons
 void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
                       Odometer& odometer) {
   if (!search_.take(answer.serial) || !lost_ || !excursion_) return;
-  if (answer.verdict == PlaceVerdict::kFound) {
-    const Pose place = renormalised(answer.map_from_predicted * excursion_->state().pose);
-    if (!covers(odometer, place, archive.scene(place.translation())))
-      odometer.reload(archive.keyframes(), place.translation(), voxel);
-    if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
-    // Earlier finds are rivals too: what a few matches more or less decide is not decided.
-    std::vector<Pose> places = {answer.map_from_predicted};
-    for (const std::vector<Pose>& others : {answer.rivals, earlier_finds_})
-      places.insert(places.end(), others.begin(), others.end());
-    places.resize(std::min(places.size(), kMostPlaces));
-    earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);
-    earlier_finds_.resize(std::min(earlier_finds_.size(), kMostPlaces));
-    candidate_ = Candidate{Contest(places, answer.clear), std::move(answer)};
+  if (answer.verdict != PlaceVerdict::kFound) {
+    if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
+    ended_ = recovery_of(answer);
     return;
   }
-  if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
-  ended_ = recovery_of(answer);
+  if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
+  search_.look_again();
+  const bool seconded = is_earlier_find(answer.map_from_predicted);
+  // Earlier finds are rivals too: what a few matches more or less decide is not decided.
+  std::vector<Pose> places = {answer.map_from_predicted};
+  for (const std::vector<Pose>& others : {answer.rivals, earlier_finds_})
+    places.insert(places.end(), others.begin(), others.end());
+  places.resize(std::min(places.size(), kMostPlaces));
+  earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);
+  earlier_finds_.resize(std::min(earlier_finds_.size(), kMostPlaces));
+  if (!answer.clear && !seconded) {
+    ended_ = recovery_of(answer);
+    ended_->reason.insert(0, "a second search has to agree: ");
+    return;
+  }
+  const Pose place = renormalised(answer.map_from_predicted * excursion_->state().pose);
+  if (!covers(odometer, place, archive.scene(place.translation())))
+    odometer.reload(archive.keyframes(), place.translation(), voxel);
+  candidate_ = Candidate{Contest(places, answer.clear), std::move(answer)};
+}
+
+/// Whether a search of this excursion had it for the likeliest place already.
+bool Relocation::is_earlier_find(const Pose& map_from_predicted) const {
+  const Pose& predicted = excursion_->state().pose;
+  return std::any_of(earlier_finds_.begin(), earlier_finds_.end(), [&](const Pose& other) {
+    return near(other * predicted, map_from_predicted * predicted, kSamePlace, kSameHeading);
+  });
 }
 
 void Relocation::propose_here() {

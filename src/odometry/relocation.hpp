@@ -75,6 +75,7 @@ class Relocation {
   Outcome confirm(const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
   void refuse(const std::string& why);
   void follow_excursion(Odometer& odometer) const;
+  bool is_earlier_find(const Pose& map_from_predicted) const;
   Recovery recovery_of(const RecoveryAnswer& answer) const;
 
   TrackerConfig config_;

@@ -10,7 +10,7 @@
 
 #include "../io/temporary_directory.hpp"
 #include "../odometry/room.hpp"
-#include "io/map_file.hpp"
+#include "daemon/map_file.hpp"
 
 using namespace scanlock;
 

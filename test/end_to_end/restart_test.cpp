@@ -7,7 +7,7 @@
 #include <scanlock/command_t.hpp>
 #include <thread>
 
-#include "io/map_file.hpp"
+#include "daemon/map_file.hpp"
 #include "listener.hpp"
 #include "messages/encode_scan.hpp"
 #include "network.hpp"

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "io/log_states.hpp"
+#include "evaluation/log_states.hpp"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,0 +1,40 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "global/matches.hpp"
+#include "global/pose_box.hpp"
+
+namespace scanlock {
+
+/// What a search has found so far: the best pose, and, when it prunes, the matches to keep.
+class SearchAnswer {
+ public:
+  /// Raises `best`; all arguments have to outlive it.
+  SearchAnswer(const LevelMatches& matches, Incumbent& best, const std::optional<ExcludedPoses>& excluded,
+               bool pruning);
+
+  const Incumbent& best() const { return best_; }
+  int consensus() const { return best_.consensus; }
+  /// The least bound that still matters.
+  int wanted() const;
+  /// Takes a pose that holds so many matches, and where a climb from `held` leads, if it is the best;
+  /// returns whether it is.
+  bool offer(const LevelPose& pose, int count, const std::vector<std::uint32_t>& held);
+  void keep(const std::vector<std::uint32_t>& matches);
+  bool all_kept(const std::vector<std::uint32_t>& matches) const;
+  std::vector<std::uint32_t> kept() const;  ///< ascending
+
+ private:
+  const LevelMatches& m_;
+  Incumbent& best_;
+  const std::optional<ExcludedPoses>& excluded_;
+  const bool pruning_;
+  std::vector<std::uint8_t> kept_;
+};
+
+}  // namespace scanlock
