@@ -50,6 +50,7 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
 void Excursion::begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted) {
   odometer_.start(utime, scan, predicted);
   bend_.setZero();
+  up_sum_.setZero();
   blind_s_ = 0;
   scans_ = 1;
 }
@@ -69,6 +70,16 @@ void Excursion::coast(double dt) {
   MotionPrior prior = odometer_.predict(dt);
   if (blind_s_ > kCoastSeconds) prior.mean.twist.setZero();
   odometer_.coast(prior);
+}
+
+void Excursion::note_up(const Eigen::Vector3d& up_in_body) {
+  up_sum_ += odometer_.state().pose.linear() * up_in_body;
+}
+
+std::optional<Eigen::Vector3d> Excursion::up() const {
+  constexpr double kAgreeing = 0.5;  // of vectors that point anywhere little is left
+  if (!(up_sum_.norm() > kAgreeing)) return std::nullopt;
+  return up_sum_.normalized();
 }
 
 PointCloud Excursion::submap(double radius, Eigen::Vector3d& centre) const {

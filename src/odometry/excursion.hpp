@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "odometry/odometer.hpp"
 
@@ -20,6 +21,11 @@ class Excursion {
   bool follow(std::int64_t utime, double dt, const PreparedScan& scan);
   /// The same for a scan without points.
   void coast(double dt);
+
+  /// Which way is up, by an attitude sensor, for the scan that was followed last.
+  void note_up(const Eigen::Vector3d& up_in_body);
+  /// The mean of that since it began, axes of the predicted map frame; nothing without such a sensor.
+  std::optional<Eigen::Vector3d> up() const;
 
   const MovingPose& state() const { return odometer_.state(); }
   const Matrix12& covariance() const { return odometer_.covariance(); }
@@ -41,7 +47,8 @@ class Excursion {
   int scans_ = 1;
   double share_ = 0.5;              ///< of the last scan that was followed
   Vector6 bend_ = Vector6::Zero();  ///< velocity, less what the way from scan to scan says; a mean
-  double blind_s_ = 0;              ///< since the last scan that was followed
+  Eigen::Vector3d up_sum_ = Eigen::Vector3d::Zero();
+  double blind_s_ = 0;  ///< since the last scan that was followed
 };
 
 }  // namespace scanlock

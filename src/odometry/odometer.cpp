@@ -97,7 +97,13 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
 
 Attempt Odometer::probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach) {
   Attempt part = align(part_of(scan), prior, reach);
-  return explains(part, kHopelessScore) ? align(scan, prior, reach) : part;
+  if (!explains(part, kHopelessScore)) return part;
+  if (reach == Reach::kNear) return align(scan, prior, reach);
+  MotionPrior arrived = prior;  // the part went the far way already
+  arrived.mean = part.alignment.moving;
+  Attempt whole = align(scan, arrived, Reach::kNear);
+  whole.prior = prior;
+  return whole;
 }
 
 Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt attempt) {

@@ -22,9 +22,11 @@ class PlaceSearch {
   /// too late.
   void begin_anew();
 
-  /// The next request, when enough was seen for it and none is out.
+  /// The next request, when enough was seen for it and none is out. `up`: in the map frame, where that was
+  /// measured.
   std::optional<RecoveryRequest> next(std::int64_t utime, const Excursion& excursion,
-                                      const KeyframeArchive& archive, const Eigen::Vector3d& up);
+                                      const KeyframeArchive& archive,
+                                      const std::optional<Eigen::Vector3d>& up);
   /// The answer to a request came in; false when it is too late.
   bool take(std::int64_t serial);
   /// There is something: the next look, of another scale, is at the same part of the map, and soon.

@@ -72,16 +72,16 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
                  options);
     target_ = std::make_unique<Target>(std::move(target));
   }
-  // The source is levelled by its own body: slopes turn the body, and where it stands now is not where it was
-  // lost.
-  const Eigen::Matrix3d stand = level_rotation(request.body_up);
+  // Without a measured attitude the source is levelled by its own body: slopes turn the body, and where it
+  // stands now is not where it was lost.
+  const Eigen::Matrix3d stand = level_rotation(request.source_up.value_or(request.body_up));
   const CloudDescription source = describe(moved(request.source, Pose(stand)), options);
 
   CloudRegistrationOptions registration;
   registration.tilt = kTilt;
   registration.max_nodes = kMaxNodes;
   registration.judged = false;
-  registration.target_ups = attitudes(request, level);
+  if (!request.source_up) registration.target_ups = attitudes(request, level);
   const CloudRegistration found = register_clouds(source, target_->description, registration);
 
   RecoveryAnswer answer;

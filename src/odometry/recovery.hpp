@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct RecoveryRequest {
   /// The z axis of the body, axes of the predicted map frame: at its place it is what it was on the scans
   /// nearby.
   Eigen::Vector3d body_up = Eigen::Vector3d::UnitZ();
+  /// Up as an attitude sensor measured it, axes of the predicted map frame: goes for slopes on which the
+  /// robot never stood, too.
+  std::optional<Eigen::Vector3d> source_up;
 };
 
 enum class PlaceVerdict : std::int8_t {

@@ -150,7 +150,7 @@ Recovery Relocation::recovery_of(const RecoveryAnswer& answer) const {
 }
 
 std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, const KeyframeArchive& archive,
-                                                        const Eigen::Vector3d& up) {
+                                                        const std::optional<Eigen::Vector3d>& up) {
   if (!lost_ || !excursion_ || candidate_) return std::nullopt;
   return search_.next(utime, *excursion_, archive, up);
 }

@@ -45,10 +45,13 @@ class Relocation {
                  Attempt* attempt);
   /// The same for a scan without points; only while an excursion is followed.
   void coast(double dt, Odometer& odometer);
+  /// Which way is up, by an attitude sensor, for the scan that was followed last.
+  void note_up(const Eigen::Vector3d& up_in_body) { excursion_->note_up(up_in_body); }
 
-  /// The next search, when there is reason for one and none is out.
+  /// The next search, when there is reason for one and none is out. `up`: in the map frame, where that was
+  /// measured.
   std::optional<RecoveryRequest> take_request(std::int64_t utime, const KeyframeArchive& archive,
-                                              const Eigen::Vector3d& up);
+                                              const std::optional<Eigen::Vector3d>& up);
   /// `voxel` metres: of the map, where another part of it is loaded.
   void give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel, Odometer& odometer);
   /// Somebody says that the odometer's state is right: to be tried on the scans that follow.

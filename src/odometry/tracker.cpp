@@ -27,6 +27,10 @@ constexpr int kQuietScans = 5;   // after that, before the map may grow
 constexpr int kAttitudes = 100;  // that the upward direction is averaged over
 constexpr int kFalseStarts = 3;  // scans that do not fit the first one: it was no good
 
+Eigen::Vector3d up_in_body(const ScanPrior& hints) {
+  return hints.level_from_body->conjugate() * Eigen::Vector3d::UnitZ();
+}
+
 }  // namespace
 
 struct Tracker::State {
@@ -78,8 +82,7 @@ struct Tracker::State {
   /// Keeps which way is up in the map, from the attitudes that come with trusted scans.
   void note_attitude(const ScanPrior& hints) {
     if (!hints.level_from_body) return;
-    const Eigen::Vector3d seen =
-        odometer.state().pose.linear() * (hints.level_from_body->conjugate() * Eigen::Vector3d::UnitZ());
+    const Eigen::Vector3d seen = odometer.state().pose.linear() * up_in_body(hints);
     attitudes = std::min(attitudes + 1, kAttitudes);
     up = (up + (seen - up) / attitudes).normalized();
   }
@@ -201,10 +204,12 @@ struct Tracker::State {
 
   // ---- lost
 
-  void track_lost(std::int64_t utime, double dt, const PreparedScan& scan, TrackedScan* tracked) {
+  void track_lost(std::int64_t utime, double dt, const PreparedScan& scan, const ScanPrior& hints,
+                  TrackedScan* tracked) {
     if (!relocation.has_excursion()) coast(utime, odometer.predict(dt));
     Attempt attempt;
     const Relocation::Outcome outcome = relocation.follow(utime, dt, scan, odometer, &attempt);
+    if (hints.level_from_body) relocation.note_up(up_in_body(hints));
     finished(Stage::kAlign);
     if (outcome == Relocation::Outcome::kLost) {
       describe(attempt, PoseMethod::kPredicted, tracked);
@@ -303,7 +308,7 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
     tracked.method = PoseMethod::kPredicted;
     tracked.stop_reason = StopReason::kTooFewPoints;
   } else if (s.relocation.lost()) {
-    s.track_lost(scan.utime, dt, prepared, &tracked);
+    s.track_lost(scan.utime, dt, prepared, hints, &tracked);
   } else {
     s.track_on(scan.utime, prepared, dt, hints, &tracked);
   }
@@ -315,7 +320,9 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
 }
 
 std::optional<RecoveryRequest> Tracker::take_request() {
-  return state_->relocation.take_request(state_->last_utime, state_->archive, state_->up);
+  const State& s = *state_;
+  const auto up = s.attitudes > 0 ? std::optional<Eigen::Vector3d>(s.up) : std::nullopt;
+  return state_->relocation.take_request(s.last_utime, s.archive, up);
 }
 
 void Tracker::give(RecoveryAnswer answer) {

@@ -37,8 +37,8 @@ struct Drive {
 };
 
 /// Tracks a scan and answers what the tracker asks, at once.
-TrackedScan step(Tracker& tracker, PlaceFinder& finder, const Scan& scan) {
-  const TrackedScan tracked = tracker.track(scan);
+TrackedScan step(Tracker& tracker, PlaceFinder& finder, const Scan& scan, const ScanPrior& prior = {}) {
+  const TrackedScan tracked = tracker.track(scan, prior);
   if (const auto request = tracker.take_request()) tracker.give(finder.find(*request));
   return tracked;
 }
@@ -121,6 +121,27 @@ TEST_CASE("a saved map is found again by another run") {
       4);
   for (int i = 30; i < 35; ++i) tracked = step(second, finder, later.scan(i));
   CHECK(error(drive.pose(0).inverse() * later.pose(34), tracked.map_from_body) < 0.1);
+}
+
+TEST_CASE("a robot that was carried onto a slope is found with an attitude sensor only") {
+  const Drive drive{
+      60, at(-4, 1, 150 * kDegree) * se3_exp((Vector6() << 0, 0, 0, 10 * kDegree, 0, 0).finished())};
+  Tracker with(TrackerConfig{}), without(TrackerConfig{});
+  PlaceFinder finder_with, finder_without;
+  TrackedScan a, b;
+  for (int i = 0; i < 100; ++i) {
+    const Scan scan = drive.scan(i);
+    ScanPrior prior;
+    prior.level_from_body = Eigen::Quaterniond(drive.pose(i).linear());
+    a = step(with, finder_with, scan, prior);
+    b = step(without, finder_without, scan);
+    if (i < drive.kidnap) continue;
+    const Pose truth = drive.pose(0).inverse() * drive.pose(i);
+    if (a.state == TrackingState::kTracking) CHECK(error(truth, a.map_from_body) < 0.1);
+    CHECK(b.state != TrackingState::kTracking);
+  }
+  CHECK(a.state == TrackingState::kTracking);
+  CHECK(a.epoch == 1);
 }
 
 TEST_CASE("recoveries are the same in every run and for every number of threads") {
