@@ -285,7 +285,7 @@ CloudRegistration Registrar::propose() {
   CpuClock clock;
   for (Hypothesis& h : hypotheses_) compare_clouds(&h);
   result_.refinement_ms += clock.lap();
-  const int largest = hypotheses_.front().consensus;
+  const Pose largest = hypotheses_.front().refined;
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
                    [](const auto& a, const auto& b) { return score(a.fit) > score(b.fit); });
   const Hypothesis& best = hypotheses_.front();
@@ -293,7 +293,7 @@ CloudRegistration Registrar::propose() {
   result_.target_from_source = best.refined;
   result_.fit = best.fit;
   result_.degenerate_axes = best.degenerate_axes;
-  result_.largest_consensus = best.consensus == largest;
+  result_.largest_consensus = separation(best.refined, largest, centre_, result_.epsilon) < 1;
   for (const Hypothesis& h : hypotheses_) {
     if (&h != &best && score(h.fit) > score(best.fit) - kOutOfQuestion) result_.rivals.push_back(h.refined);
   }

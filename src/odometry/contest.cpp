@@ -11,9 +11,10 @@ namespace scanlock {
 namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180.0;
-constexpr double kUsualShare = 0.9;   // of the usual share of inliers that a place has to have
-constexpr double kClearShare = 0.65;  // of one that is known by other means: part of it may be new ground
-constexpr int kWins = 3;              // scans in a row
+// Of the usual share of inliers, what a place has to have. The more else speaks for one, the more of what is
+// seen may be new ground.
+constexpr double kUsualShare = 0.9, kSecondedShare = 0.75, kClearShare = 0.65;
+constexpr int kWins = 3;  // scans in a row
 constexpr int kMissesAllowed = 1;
 constexpr int kPatience = 8;                           // scans in which it has to be decided
 constexpr double kClearly = 1.3;                       // times the cost of the leader, and
@@ -28,17 +29,18 @@ bool is_open(const Attempt& attempt) {
 
 }  // namespace
 
-Contest::Contest(const std::vector<Pose>& map_from_predicted, bool clear) {
+Contest::Contest(const std::vector<Pose>& map_from_predicted, Evidence evidence)
+    : least_share_(evidence == Evidence::kClear      ? kClearShare
+                   : evidence == Evidence::kSeconded ? kSecondedShare
+                                                     : kUsualShare) {
   for (const Pose& pose : map_from_predicted) {
     places_.emplace_back();
     places_.back().map_from_predicted = pose;
-    places_.back().least_share = kUsualShare;
   }
-  if (clear) places_.front().least_share = kClearShare;
 }
 
 Contest::Contest(const Pose& map_from_predicted, int wins)
-    : Contest(std::vector<Pose>{map_from_predicted}, false) {
+    : Contest(std::vector<Pose>{map_from_predicted}, Evidence::kNone) {
   places_.front().tried = wins > 0;
   wins_ = wins;
   expected_ = true;
@@ -55,7 +57,7 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
   const Pose& found = place.attempt.alignment.moving.pose;
   const Health& health = place.attempt.health;
   const double usual = health.usual_share > 0 ? health.usual_share : excursion.usual_share();
-  place.fits = explains(place.attempt, kCalmScore) && health.share >= place.least_share * usual &&
+  place.fits = explains(place.attempt, kCalmScore) && health.share >= least_share_ * usual &&
                near(found, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   if (place.fits) {
     place.map_from_predicted = renormalised(found * predicted.pose.inverse());
@@ -97,14 +99,10 @@ void Contest::drop_losers() {
     const bool out = place.missed > kMissesAllowed ||
                      (!first && left.front().fits &&
                       place.attempt.cost() > kHopeless * left.front().attempt.cost() + kAtLeast);
-    const auto same = std::find_if(left.begin(), left.end(), [&](const Place& other) {
+    const bool taken = std::any_of(left.begin(), left.end(), [&](const Place& other) {
       return near(other.map_from_predicted, place.map_from_predicted, 0.3, 3.0 * kDegree);
     });
-    if (same != left.end()) {
-      same->least_share = std::min(same->least_share, place.least_share);
-    } else if (first || !out) {
-      left.push_back(std::move(place));
-    }
+    if (first || (!out && !taken)) left.push_back(std::move(place));
   }
   places_ = std::move(left);
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "geometry/rigid.hpp"
@@ -17,8 +18,15 @@ class Contest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
-  /// Corrections of predicted poses, the favourite first. `clear`: it is so by far.
-  Contest(const std::vector<Pose>& map_from_predicted, bool clear);
+  /// What speaks for the favourite already.
+  enum class Evidence : std::int8_t {
+    kNone,
+    kSeconded,  ///< searches of different scales agree on it
+    kClear,     ///< it has far more matches than any other place
+  };
+
+  /// Corrections of predicted poses, the favourite first.
+  Contest(const std::vector<Pose>& map_from_predicted, Evidence evidence);
   /// One that needs no search, for the robot is expected there. `wins`: scans that it has explained already.
   Contest(const Pose& map_from_predicted, int wins);
 
@@ -33,7 +41,6 @@ class Contest {
  private:
   struct Place {
     Pose map_from_predicted;
-    double least_share = 1;  ///< of the usual share of inliers, for it to fit
     int missed = 0;
     bool fits = false;  ///< the last scan
     bool tried = false;
@@ -44,6 +51,7 @@ class Contest {
   void drop_losers();
 
   std::vector<Place> places_;  ///< never empty; the leader first
+  double least_share_;         ///< of the usual share of inliers, for a place to fit
   int wins_ = 0, scans_ = 0;
   bool expected_ = false;
 };

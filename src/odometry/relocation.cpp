@@ -181,7 +181,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   const Pose place = renormalised(answer.map_from_predicted * excursion_->state().pose);
   if (!covers(odometer, place, archive.scene(place.translation())))
     odometer.reload(archive.keyframes(), place.translation(), voxel);
-  candidate_ = Candidate{Contest(places, answer.clear), std::move(answer)};
+  const auto evidence = answer.clear ? Contest::Evidence::kClear : Contest::Evidence::kSeconded;
+  candidate_ = Candidate{Contest(places, evidence), std::move(answer)};
 }
 
 /// Whether a search of this excursion had it for the likeliest place already.
