@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace scanlock {
 namespace {
@@ -84,15 +85,16 @@ int count_wrong_jumps(const PosePairs& pairs, const Pose& alignment, const std::
                       const std::vector<Kidnap>& kidnaps) {
   int wrong = 0;
   bool wrong_now = false;
-  double last_error = 0, kidnapped_s = -std::numeric_limits<double>::infinity();
+  double last_error = 0, error_before = 0, kidnapped_s = -std::numeric_limits<double>::infinity();
   auto next = kidnaps.begin();
   for (const PosePair& pair : pairs) {
     for (; next != kidnaps.end() && next->time_s <= pair.time_s + kSameTime; ++next)
       kidnapped_s = next->time_s;
     const auto state = state_at(states, pair.time_s);
     const double error = metres(pair.reference.inverse() * (alignment * pair.estimate));
-    if (state == TrackingState::kDegraded) {  // it names the axis that it drifts along
-      last_error = error;
+    const double step = error - std::exchange(error_before, error);
+    if (state == TrackingState::kDegraded) {  // it names the axis that it drifts along; a leap is no drift
+      if (step < kRise) last_error += step;
       continue;
     }
     if (state != TrackingState::kTracking) {

@@ -138,8 +138,10 @@ struct Tracker::State {
   /// time between two scans: a place that looks alike explains a part of a scan, too.
   bool elsewhere(std::int64_t utime, const PreparedScan& scan, const Health& health) const {
     const bool little = health.score > kFitScore && health.share < kNewGroundShare * health.usual_share;
-    const bool sudden = static_cast<double>(utime - last_trusted_utime) * kMicro < kMoment &&
-                        health.score > kSuddenScore && health.share < kSuddenShare * health.last_share;
+    // What made the last scan suspicious is not explained by one that fits a little better.
+    const bool suspicious = distrusted_scans > 0 || health.score > kSuddenScore;
+    const bool sudden = static_cast<double>(utime - last_trusted_utime) * kMicro < kMoment && suspicious &&
+                        health.share < kSuddenShare * health.last_share;
     return (little || sudden) && looks_around(scan.source);
   }
 

@@ -122,6 +122,13 @@ TEST_CASE("a kidnap that is not noticed is a wrong claim") {
   CHECK(examine(drive).wrong_jumps == 1);
 }
 
+TEST_CASE("a kidnap after which it hesitates and goes on is a wrong claim") {
+  Drive drive = kidnapped_drive(100);
+  for (std::size_t i = 0; i < drive.states.size(); ++i)
+    drive.states[i].state = i == 50 || i == 51 ? TrackingState::kDegraded : TrackingState::kTracking;
+  CHECK(examine(drive).wrong_jumps == 1);
+}
+
 TEST_CASE("what drifts before the kidnap and says so does not shift what was right") {
   Drive drive = kidnapped_drive(1.0);
   for (std::size_t i = 20; i < 50; ++i) {
