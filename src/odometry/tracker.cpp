@@ -18,11 +18,12 @@ constexpr double kMicro = 1e-6;
 constexpr double kDegree = 3.14159265358979 / 180.0;
 
 constexpr double kNewGroundShare = 0.6, kFitScore = 3.0;
-constexpr double kSuddenShare = 0.8, kSuddenScore = 1.5;
+constexpr double kSuddenShare = 0.8, kSuddenScore = 0.5;
 constexpr double kMoment = 0.35;  // seconds
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
 constexpr double kWithinReach = 0.08, kWithinTurn = 5.0 * kDegree;
+constexpr int kMostOpen = 20, kStillOpen = 5;
 constexpr int kQuietScans = 5;   // after that, before the map may grow
 constexpr int kAttitudes = 100;  // that the upward direction is averaged over
 constexpr int kFalseStarts = 3;  // scans that do not fit the first one: it was no good
@@ -53,6 +54,8 @@ struct Tracker::State {
   std::int64_t last_trusted_utime = 0;
   int distrusted_scans = 0;  // in a row
   int quiet_scans_left = 0;
+  std::uint32_t open_axes = 0;  // the last that a scan left open
+  int open_scans = 0;           // those that did, less those that did not
 
   Relocation relocation;
 
@@ -245,10 +248,23 @@ struct Tracker::State {
 
   TrackingState reported_state() const { return relocation.lost() ? relocation.state() : state; }
 
+  /// After a long stretch without an axis a single scan that seems to show it proves nothing.
+  void name_open_axes(TrackedScan* tracked) {
+    if (tracked->degenerate_axes != 0) {
+      open_axes = tracked->degenerate_axes;
+      open_scans = std::min(open_scans + 1, kMostOpen);
+    } else {
+      open_scans = std::max(open_scans - 1, 0);
+      if (open_scans >= kStillOpen) tracked->degenerate_axes = open_axes;
+    }
+  }
+
   void report(TrackedScan* tracked) {
     tracked->state = reported_state();
-    if (tracked->degenerate_axes != 0 && tracked->state == TrackingState::kTracking)
-      tracked->state = TrackingState::kDegraded;
+    if (tracked->state == TrackingState::kTracking) {
+      name_open_axes(tracked);
+      if (tracked->degenerate_axes != 0) tracked->state = TrackingState::kDegraded;
+    }
     tracked->epoch = epoch;
     tracked->map_from_body = odometer.state().pose;
     tracked->twist = odometer.state().twist;
