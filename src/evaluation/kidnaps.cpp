@@ -7,10 +7,11 @@
 #include <limits>
 #include <utility>
 
+#include "geometry/angles.hpp"
+
 namespace scanlock {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kJumpMetres = 1.0, kJumpAngle = 20 * kDegree;
 constexpr double kAcceleration = 20, kAngularAcceleration = 50;  // m/s^2, rad/s^2: more than any vehicle's
 constexpr double kRise = 1.0;                                    // metres between two claims: no drift

@@ -234,7 +234,6 @@ void Registrar::judge() {
   result_.fit = best->fit;
   result_.degenerate_axes = best->degenerate_axes;
   const bool first = best == hypotheses_.begin();
-  result_.largest_consensus = first;
   bool rival = false;
   result_.rival_fit = CloudFit{};
   result_.rivals.clear();
@@ -293,7 +292,7 @@ CloudRegistration Registrar::propose() {
   result_.target_from_source = best.refined;
   result_.fit = best.fit;
   result_.degenerate_axes = best.degenerate_axes;
-  result_.largest_consensus = separation(best.refined, largest, centre_, result_.epsilon) < 1;
+  const bool is_largest = separation(best.refined, largest, centre_, result_.epsilon) < 1;
   for (const Hypothesis& h : hypotheses_) {
     if (&h != &best && score(h.fit) > score(best.fit) - kOutOfQuestion) result_.rivals.push_back(h.refined);
   }
@@ -303,7 +302,7 @@ CloudRegistration Registrar::propose() {
     result_.why = "the clouds contradict every pose: " + result_.why;
     return result_;
   }
-  const bool clear = result_.largest_consensus && s.consensus >= kFarAhead * s.runner_up_bound &&
+  const bool clear = is_largest && s.consensus >= kFarAhead * s.runner_up_bound &&
                      best.fit.contradiction <= kClearContradiction;
   result_.verdict = !s.certified ? GlobalVerdict::kUncertified
                     : clear      ? GlobalVerdict::kCertain

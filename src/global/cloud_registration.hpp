@@ -49,7 +49,6 @@ struct CloudRegistration {
   std::string why;                    ///< a sentence for people
   CloudFit fit, rival_fit;            ///< of the pose, and of the best of the others looked at
   std::vector<Pose> rivals;           ///< the others looked at, refined
-  bool largest_consensus = true;      ///< false: the clouds refute that one, and confirm this pose
   std::uint32_t degenerate_axes = 0;  ///< of the refinement
   double epsilon = 0;                 ///< metres, as used
   int attempts = 0;

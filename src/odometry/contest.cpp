@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "geometry/angles.hpp"
 #include "icp/degeneracy.hpp"
 
 namespace scanlock {
 namespace {
 
-constexpr double kDegree = 3.14159265358979 / 180.0;
 // Of the usual share of inliers, what a place has to have. The more else speaks for one, the more of what is
 // seen may be new ground.
 constexpr double kUsualShare = 0.9, kSecondedShare = 0.75, kClearShare = 0.65;

@@ -24,9 +24,7 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
   Attempt attempt = odometer_.align(scan, prior, Reach::kNear);
   attempt = odometer_.deskew_first(scan, dt, std::move(attempt));
   if (!explains(attempt, kJumpScore)) {
-    MotionPrior loose = prior;
-    loose.information *= 0.01;
-    attempt = better(std::move(attempt), odometer_.probe(scan, loose, Reach::kFar));
+    attempt = better(std::move(attempt), odometer_.probe(scan, loosened(prior), Reach::kFar));
   }
   if (!explains(attempt, kJumpScore)) {
     begin_anew(utime, scan, prior.mean);
@@ -36,10 +34,10 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
   blind_s_ = 0;
   share_ = attempt.health.share;
   odometer_.accept(attempt);
-  if (is_bent(before, dt)) {
-    MovingPose straight = odometer_.state();
-    straight.twist = se3_log(before.pose.inverse() * straight.pose) / dt;
-    begin_anew(utime, scan, straight);
+  const MovingPose& now = odometer_.state();
+  const Vector6 way = se3_log(before.pose.inverse() * now.pose) / dt;
+  if (dt <= kShort && is_bent(0.5 * (before.twist + now.twist), way)) {
+    begin_anew(utime, scan, {now.pose, way});
     return false;
   }
   odometer_.keep(utime, scan, attempt.health.share);
@@ -57,11 +55,9 @@ void Excursion::begin_anew(std::int64_t utime, const PreparedScan& scan, const M
 
 /// Scans that a wrong velocity bends all alike fit each other, so that nothing else tells: but the way from
 /// scan to scan is another than the velocity says.
-bool Excursion::is_bent(const MovingPose& before, double dt) {
-  if (scans_ == 1 || dt > kShort) return false;  // the velocity before the first scan is hearsay
-  const MovingPose& now = odometer_.state();
-  const Vector6 way = se3_log(before.pose.inverse() * now.pose) / dt;
-  bend_ += kBendGain * (0.5 * (before.twist + now.twist) - way - bend_);
+bool Excursion::is_bent(const Vector6& velocity, const Vector6& way) {
+  if (scans_ == 1) return false;  // the velocity before the first scan is hearsay
+  bend_ += kBendGain * (velocity - way - bend_);
   return bend_.head<3>().norm() > kBentMetres || bend_.tail<3>().norm() > kBentRadians;
 }
 

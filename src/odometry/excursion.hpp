@@ -40,7 +40,7 @@ class Excursion {
 
  private:
   void begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted);
-  bool is_bent(const MovingPose& before, double dt);
+  bool is_bent(const Vector6& velocity, const Vector6& way);
 
   TrackerConfig config_;
   Odometer odometer_;

@@ -72,4 +72,9 @@ Matrix12 prior_information(double metres, double radians, const Matrix12& covari
   return information;
 }
 
+MotionPrior loosened(MotionPrior prior) {
+  prior.information *= 0.01;
+  return prior;
+}
+
 }  // namespace scanlock

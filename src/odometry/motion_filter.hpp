@@ -43,4 +43,7 @@ class MotionFilter {
 /// Of a pose known to so much in all directions, and of a velocity with that covariance (its last six).
 Matrix12 prior_information(double metres, double radians, const Matrix12& covariance);
 
+/// The same prior, believed a hundredth as much: for another try where it did not explain the scan.
+MotionPrior loosened(MotionPrior prior);
+
 }  // namespace scanlock

@@ -49,8 +49,8 @@ struct RecoveryAnswer {
   std::vector<Pose> rivals;                    ///< the same, of other places that many matches agree on
   int matches = 0, matches_kept = 0, consensus = 0, upper_bound = 0, runner_up_consensus = 0;
   bool certified = false;
-  bool clear =
-      false;  ///< the favourite has far more matches than any other place, and nothing contradicts it
+  /// The favourite has far more matches than any other place, and nothing contradicts it.
+  bool clear = false;
   std::string reason;
   std::int64_t nodes = 0;
   double search_ms = 0, total_ms = 0;  ///< CPU

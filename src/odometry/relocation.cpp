@@ -6,10 +6,11 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/angles.hpp"
+
 namespace scanlock {
 namespace {
 
-constexpr double kDegree = 3.14159265358979 / 180.0;
 constexpr std::size_t kMostPlaces = 5;  // tried at once
 constexpr int kPatience = 20;           // scans in which a lost robot feels around on each,
 constexpr int kSeldom = 5;              // and after that on every fifth

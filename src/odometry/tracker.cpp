@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/angles.hpp"
 #include "icp/degeneracy.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/relocation.hpp"
@@ -15,7 +16,6 @@ namespace scanlock {
 namespace {
 
 constexpr double kMicro = 1e-6;
-constexpr double kDegree = 3.14159265358979 / 180.0;
 
 constexpr double kNewGroundShare = 0.6, kFitScore = 3.0;
 constexpr double kSuddenShare = 0.8, kSuddenScore = 0.5;
@@ -107,8 +107,7 @@ struct Tracker::State {
     if (explains(best, kJumpScore) && fits) return best;
     // A far look is dear, and a part of the points will do for it: the next scan must not wait.
     const PreparedScan part = part_of(scan);
-    MotionPrior loose = prior;
-    loose.information *= 0.01;
+    MotionPrior loose = loosened(prior);
     Attempt far = odometer.align(part, loose, Reach::kFar);
     const bool moved =
         !near(prior.mean.pose, last_trusted_pose, kWithinReach * scan.median_range, kWithinTurn);
