@@ -34,7 +34,7 @@ constexpr int kPeels = 4, kProposals = 8;
 constexpr double kPeeled = 2;                // epsilons
 constexpr double kOutOfQuestion = 0.4;       // of the score: so much behind the best proposal
 constexpr double kFarAhead = 1.6;            // consensus over what the runner-up may have
-constexpr double kImpossible = 0.3;          // contradiction
+constexpr double kImpossible = 0.1;          // contradiction: of right poses a third of that, seldom half
 constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
 constexpr int kRounds = 8;
 constexpr std::size_t kManyKeypoints = 300;
@@ -294,7 +294,8 @@ CloudRegistration Registrar::propose() {
   result_.degenerate_axes = best.degenerate_axes;
   const bool is_largest = separation(best.refined, largest, centre_, result_.epsilon) < 1;
   for (const Hypothesis& h : hypotheses_) {
-    if (&h != &best && score(h.fit) > score(best.fit) - kOutOfQuestion) result_.rivals.push_back(h.refined);
+    if (&h != &best && h.fit.contradiction <= kImpossible && score(h.fit) > score(best.fit) - kOutOfQuestion)
+      result_.rivals.push_back(h.refined);
   }
   result_.why = numbers();
   const MatchRegistration& s = result_.solution;
