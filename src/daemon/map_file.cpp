@@ -21,7 +21,7 @@ namespace {
 constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'S', 'L', 'M', 'A', 'P', '\r', '\n'};
 constexpr std::size_t kHeaderBytes = 20, kChecksumBytes = 4;
 constexpr std::size_t kPoseBytes = 12 * 8, kKeyframeBytes = 8 + kPoseBytes + 4 + 4 + 4;  // without its points
-constexpr std::size_t kPointBytes = 3 * 2;
+constexpr std::size_t kPointBytes = 3 * 2, kStandBytes = 3 * 4;
 constexpr std::uintmax_t kMostBytes = 1u << 30;
 constexpr int kFinestStep = -24, kCoarsestStep = 24;  // metres, as powers of two
 constexpr double kMostSteps = 32767;
@@ -80,6 +80,9 @@ void put_keyframe(std::vector<std::uint8_t>& out, const ArchivedKeyframe& keyfra
       put(out, bits_of<std::uint16_t>(static_cast<std::int16_t>(std::clamp(steps, -kMostSteps, kMostSteps))));
     }
   }
+  put(out, static_cast<std::uint32_t>(keyframe.stands.size()));
+  for (const Eigen::Vector3f& up : keyframe.stands)
+    for (const float coordinate : {up.x(), up.y(), up.z()}) put(out, bits_of<std::uint32_t>(coordinate));
 }
 
 /// Reads numbers off bytes; whoever asks for more than there is gets an error that says where and for what.
@@ -116,7 +119,8 @@ class MapReader {
   std::string name_;
 };
 
-void read_header(MapReader& reader, const std::vector<std::uint8_t>& bytes) {
+/// Returns the version.
+std::uint32_t read_header(MapReader& reader, const std::vector<std::uint8_t>& bytes) {
   for (const std::uint8_t expected : kMagic) {
     const std::size_t at = reader.at();
     if (reader.left() == 0 || reader.get<std::uint8_t>("the mark of a map file") != expected)
@@ -124,9 +128,9 @@ void read_header(MapReader& reader, const std::vector<std::uint8_t>& bytes) {
   }
   const std::size_t at = reader.at();
   const auto version = reader.get<std::uint32_t>("the version");
-  if (version != kMapVersion) {
-    reader.fail(at, "version " + std::to_string(version) + " of the map file; this program reads version " +
-                        std::to_string(kMapVersion) +
+  if (version < 1 || version > kMapVersion) {
+    reader.fail(at, "version " + std::to_string(version) +
+                        " of the map file; this program reads versions 1 to " + std::to_string(kMapVersion) +
                         (version > kMapVersion ? ", a newer one is needed" : ""));
   }
   const auto body = reader.get<std::uint64_t>("the size of the body");
@@ -144,6 +148,7 @@ void read_header(MapReader& reader, const std::vector<std::uint8_t>& bytes) {
   if (crc32(bytes.data(), end) != expected)
     reader.fail(end, "the checksum does not fit: the file is damaged");
   reader.set_end(end);
+  return version;
 }
 
 Pose read_pose(MapReader& reader, const char* what) {
@@ -161,7 +166,22 @@ Pose read_pose(MapReader& reader, const char* what) {
   return pose;
 }
 
-ArchivedKeyframe read_keyframe(MapReader& reader) {
+std::vector<Eigen::Vector3f> read_stands(MapReader& reader) {
+  const std::size_t start = reader.at();
+  const std::uint64_t count = reader.get<std::uint32_t>("the number of stands");
+  if (count > kMostStands) reader.fail(start, std::to_string(count) + " stands are none of ours");
+  reader.need(count * kStandBytes, "the stands");
+  std::vector<Eigen::Vector3f> stands(static_cast<std::size_t>(count));
+  for (Eigen::Vector3f& up : stands) {
+    const std::size_t at = reader.at();
+    for (int axis = 0; axis < 3; ++axis) up[axis] = bits_of<float>(reader.get<std::uint32_t>("a stand"));
+    constexpr float kTolerance = 1e-3F;
+    if (!(std::abs(up.norm() - 1) < kTolerance)) reader.fail(at, "a stand is no direction");
+  }
+  return stands;
+}
+
+ArchivedKeyframe read_keyframe(MapReader& reader, std::uint32_t version) {
   ArchivedKeyframe keyframe;
   reader.need(kKeyframeBytes, "a keyframe");
   keyframe.utime = bits_of<std::int64_t>(reader.get<std::uint64_t>("a time"));
@@ -184,6 +204,7 @@ ArchivedKeyframe read_keyframe(MapReader& reader) {
     }
   }
   keyframe.points = std::move(points);
+  if (version >= 2) keyframe.stands = read_stands(reader);
   return keyframe;
 }
 
@@ -204,7 +225,8 @@ std::vector<std::uint8_t> encode_map(const SavedMap& map) {
   std::vector<std::uint8_t> out(kMagic.begin(), kMagic.end());
   std::size_t bytes = kHeaderBytes + kPoseBytes + 8 + kChecksumBytes;
   for (const ArchivedKeyframe& keyframe : map.keyframes)
-    bytes += kKeyframeBytes + kPointBytes * keyframe.points->size();
+    bytes +=
+        kKeyframeBytes + kPointBytes * keyframe.points->size() + 4 + kStandBytes * keyframe.stands.size();
   out.reserve(bytes);
   put(out, kMapVersion);
   put(out, std::uint64_t{0});  // known at the end
@@ -220,14 +242,14 @@ std::vector<std::uint8_t> encode_map(const SavedMap& map) {
 
 SavedMap decode_map(const std::vector<std::uint8_t>& bytes, const std::string& name) {
   MapReader reader(bytes, name);
-  read_header(reader, bytes);
+  const std::uint32_t version = read_header(reader, bytes);
   SavedMap map;
   map.epoch = reader.get<std::uint32_t>("the epoch");
   map.last_pose = read_pose(reader, "the last pose");
   const std::uint64_t count = reader.get<std::uint32_t>("the number of keyframes");
   reader.need(count * kKeyframeBytes, "the keyframes");
   map.keyframes.reserve(static_cast<std::size_t>(count));
-  for (std::uint64_t i = 0; i < count; ++i) map.keyframes.push_back(read_keyframe(reader));
+  for (std::uint64_t i = 0; i < count; ++i) map.keyframes.push_back(read_keyframe(reader, version));
   if (reader.left() > 0)
     reader.fail(reader.at(), std::to_string(reader.left()) + " bytes more than the keyframes take");
   return map;

@@ -43,7 +43,9 @@ MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOpti
   MatchRegistration best;
   for (const Eigen::Vector3d& up : target_ups) {
     const Eigen::Matrix3d level = level_rotation(up);
-    search.at_least = std::max(kFewestMatches, static_cast<int>(std::ceil(best.consensus / kClearMargin)));
+    // What loses is of interest only as a runner-up.
+    const double wanted = search.runner_up ? best.consensus / kClearMargin : best.consensus + 1;
+    search.at_least = std::max(kFewestMatches, static_cast<int>(std::ceil(wanted)));
     MatchRegistration found = register_matches(turned(matches, level), search);
     for (Pose* pose : {&found.target_from_source, &found.runner_up}) *pose = level.transpose() * *pose;
     if (found.consensus > best.consensus) std::swap(found, best);

@@ -23,14 +23,14 @@ constexpr double kStrongOverlap = 0.55, kStrongLeastOverlap = 0.45, kStrongContr
 constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
 // Rooms of one building can look alike to half their surfaces, but the walls of the one stand in the free
 // space of the other.
-constexpr double kClearContradiction = 0.04;
+constexpr double kClearContradiction = 0.04, kSomeOverlap = 0.3;
 constexpr int kGuidedLambda = 10;
 constexpr double kHopeless = 0.5;  // contradiction, before the refinement
 constexpr double kNoRival = 2;     // the same
 constexpr int kPreciseMatches = 24;
 // Who draws long enough finds what looks right: later match sets have to pass both tests.
 constexpr int kPlainAttempts = 2;
-constexpr int kPeels = 4, kProposals = 8;
+constexpr int kPeels = 4, kProposals = 8, kAfterwards = 2;
 constexpr double kPeeled = 2;                // epsilons
 constexpr double kOutOfQuestion = 0.4;       // of the score: so much behind the best proposal
 constexpr double kFarAhead = 1.6;            // consensus over what the runner-up may have
@@ -38,6 +38,10 @@ constexpr double kImpossible = 0.1;          // contradiction: of right poses a 
 constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
 constexpr int kRounds = 8;
 constexpr std::size_t kManyKeypoints = 300;
+
+bool is_good(const Hypothesis& hypothesis) {
+  return hypothesis.fit.contradiction <= kClearContradiction && hypothesis.fit.overlap >= kSomeOverlap;
+}
 
 /// The clouds of one registration, indexed once for all attempts.
 class Registrar {
@@ -58,6 +62,7 @@ class Registrar {
   void attempt(const CloudDescription& source, const CloudDescription& target);
   MatchRegistration search(const Matches& matches, bool runner_up) const;
   void look_for_more(Matches matches);
+  bool enough_proposals() const;
   Pose middle_pose(Pose pose);
   void compare_clouds(Hypothesis* hypothesis);
   void add_hypothesis(const Pose& pose, int consensus);
@@ -87,6 +92,7 @@ MatchRegistration Registrar::search(const Matches& matches, bool runner_up) cons
   search.max_nodes = options_.max_nodes;
   search.budget_s = options_.budget_s;
   search.runner_up = runner_up;
+  search.prune = runner_up;                  // without one, as soon done without
   search.weak_runner_up = !options_.judged;  // the clouds refute those anyway
   search.rival_distance = kRivalEpsilons * result_.epsilon;
   search.rival_angle = kRivalAngle;
@@ -142,7 +148,7 @@ void Registrar::add_hypothesis(const Pose& pose, int consensus) {
   hypothesis.consensus = consensus;
   hypothesis.start = hypothesis.refined = middle_pose(pose);
   result_.matching_ms += clock.lap();
-  if (options_.judged) compare_clouds(&hypothesis);
+  compare_clouds(&hypothesis);
   result_.refinement_ms += clock.lap();
   const bool known = std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& other) {
     return separation(other.refined, hypothesis.refined, centre_, result_.epsilon) < 0.5;
@@ -167,6 +173,7 @@ void Registrar::look_for_more(Matches matches) {
   std::vector<Pose> found = {result_.solution.target_from_source, result_.solution.runner_up};
   for (const Hypothesis& h : hypotheses_) found.push_back(h.start);
   for (int peel = 0; peel < (options_.judged ? kPeels : kProposals); ++peel) {
+    if (!options_.judged && enough_proposals()) break;
     const auto agrees = [&](const Match& m) {
       const double reach = kPeeled * result_.epsilon + options_.tilt * m.p.norm();
       return std::any_of(found.begin(), found.end(),
@@ -179,6 +186,13 @@ void Registrar::look_for_more(Matches matches) {
     add_hypothesis(next.target_from_source, next.consensus);
     found = {next.target_from_source, hypotheses_.back().start};
   }
+}
+
+/// The clouds contradict what is found by now, after one that they do not: what still fewer matches propose
+/// is no rival.
+bool Registrar::enough_proposals() const {
+  const auto last = std::find_if(hypotheses_.rbegin(), hypotheses_.rend(), is_good);
+  return last != hypotheses_.rend() && last - hypotheses_.rbegin() >= kAfterwards;
 }
 
 void Registrar::attempt(const CloudDescription& source, const CloudDescription& target) {
@@ -276,15 +290,14 @@ CloudRegistration Registrar::propose() {
   account(result_.solution);
   result_.attempts = 1;
   result_.why = numbers();
-  if (result_.solution.consensus < kFewestMatches) return result_;
-  add_hypothesis(result_.solution.target_from_source, result_.solution.consensus);
-  if (result_.solution.runner_up_consensus >= kFewestMatches)
-    add_hypothesis(result_.solution.runner_up, result_.solution.runner_up_consensus);
-  look_for_more(matches);
-  CpuClock clock;
-  for (Hypothesis& h : hypotheses_) compare_clouds(&h);
-  result_.refinement_ms += clock.lap();
+  const MatchRegistration& s = result_.solution;
+  if (s.consensus < kFewestMatches) return result_;
+  add_hypothesis(s.target_from_source, s.consensus);
+  if (s.runner_up_consensus >= kFewestMatches) add_hypothesis(s.runner_up, s.runner_up_consensus);
   const Pose largest = hypotheses_.front().refined;
+  const bool clear = s.consensus >= kFarAhead * s.runner_up_bound && is_good(hypotheses_.front()) &&
+                     std::none_of(hypotheses_.begin() + 1, hypotheses_.end(), is_good);
+  if (!clear) look_for_more(matches);
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
                    [](const auto& a, const auto& b) { return score(a.fit) > score(b.fit); });
   const Hypothesis& best = hypotheses_.front();
@@ -292,22 +305,19 @@ CloudRegistration Registrar::propose() {
   result_.target_from_source = best.refined;
   result_.fit = best.fit;
   result_.degenerate_axes = best.degenerate_axes;
-  const bool is_largest = separation(best.refined, largest, centre_, result_.epsilon) < 1;
   for (const Hypothesis& h : hypotheses_) {
     if (&h != &best && h.fit.contradiction <= kImpossible && score(h.fit) > score(best.fit) - kOutOfQuestion)
       result_.rivals.push_back(h.refined);
   }
   result_.why = numbers();
-  const MatchRegistration& s = result_.solution;
   if (best.fit.contradiction > kImpossible) {
     result_.why = "the clouds contradict every pose: " + result_.why;
     return result_;
   }
-  const bool clear = is_largest && s.consensus >= kFarAhead * s.runner_up_bound &&
-                     best.fit.contradiction <= kClearContradiction;
-  result_.verdict = !s.certified ? GlobalVerdict::kUncertified
-                    : clear      ? GlobalVerdict::kCertain
-                                 : GlobalVerdict::kAmbiguous;
+  const bool is_largest = separation(best.refined, largest, centre_, result_.epsilon) < 1;
+  result_.verdict = !s.certified          ? GlobalVerdict::kUncertified
+                    : clear && is_largest ? GlobalVerdict::kCertain
+                                          : GlobalVerdict::kAmbiguous;
   return result_;
 }
 

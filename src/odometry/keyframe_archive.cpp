@@ -15,6 +15,14 @@ constexpr double kSpacing = 1.0 / 6.0;       // of the reach, between two places
 constexpr double kNeighbourhood = 20.0;      // metres
 constexpr std::size_t kMostPoints = 3000;    // of a place
 constexpr double kFirstVoxel = 1.0 / 100.0;  // of the reach
+constexpr float kStandStep = 0.05F;          // radians, between two that count as different
+
+template <typename Vector>
+bool stands_alike(const std::vector<Vector>& stands, const Vector& up) {
+  const auto least = std::cos(static_cast<typename Vector::Scalar>(kStandStep));
+  return std::any_of(stands.begin(), stands.end(),
+                     [&](const Vector& other) { return up.dot(other) > least; });
+}
 
 }  // namespace
 
@@ -51,9 +59,24 @@ void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double 
   for (double voxel = kFirstVoxel * std::max(reach, 1.0); thin.size() > kMostPoints; voxel *= std::sqrt(2.0))
     thin = select(thin, thin_by_voxel(thin, static_cast<float>(voxel)));
   points_ += thin.size();
-  keyframes_.push_back(
-      {utime, map_from_body, static_cast<float>(reach), std::make_shared<const PointCloud>(std::move(thin))});
+  keyframes_.push_back({utime,
+                        map_from_body,
+                        static_cast<float>(reach),
+                        std::make_shared<const PointCloud>(std::move(thin)),
+                        {}});
   evict();
+}
+
+void KeyframeArchive::note_stand(const Pose& map_from_body) {
+  const auto distance = [&](const ArchivedKeyframe& k) {
+    return (k.map_from_body.translation() - map_from_body.translation()).squaredNorm();
+  };
+  const auto nearest = std::min_element(
+      keyframes_.begin(), keyframes_.end(),
+      [&](const ArchivedKeyframe& a, const ArchivedKeyframe& b) { return distance(a) < distance(b); });
+  if (nearest == keyframes_.end() || nearest->stands.size() >= kMostStands) return;
+  const Eigen::Vector3f up = map_from_body.linear().col(2).cast<float>();
+  if (!stands_alike(nearest->stands, up)) nearest->stands.push_back(up);
 }
 
 void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes) {
@@ -72,6 +95,20 @@ void KeyframeArchive::evict() {
   std::size_t gone = 0;
   while (points_ > max_points_ && gone + 1 < keyframes_.size()) points_ -= keyframes_[gone++].points->size();
   keyframes_.erase(keyframes_.begin(), keyframes_.begin() + static_cast<std::ptrdiff_t>(gone));
+}
+
+std::vector<Eigen::Vector3d> stands_around(const std::vector<ArchivedKeyframe>& keyframes,
+                                           const Eigen::Vector3d& centre, double radius) {
+  std::vector<Eigen::Vector3d> all;
+  const auto take = [&](const Eigen::Vector3d& up) {
+    if (!stands_alike(all, up)) all.push_back(up);
+  };
+  for (const ArchivedKeyframe& k : keyframes) {
+    if ((k.map_from_body.translation() - centre).norm() > radius) continue;
+    take(k.map_from_body.linear().col(2));
+    for (const Eigen::Vector3f& up : k.stands) take(up.cast<double>().normalized());
+  }
+  return all;
 }
 
 PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const Eigen::Vector3d& centre,

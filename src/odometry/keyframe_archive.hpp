@@ -17,7 +17,11 @@ struct ArchivedKeyframe {
   Pose map_from_body = Pose::Identity();     ///< body: the sensor at the stamp
   float reach = 0;                           ///< metres, median range of the scan: the size of the scene
   std::shared_ptr<const PointCloud> points;  ///< x y z only, deskewed and thinned, body frame; never null
+  /// The ways in which the body stood about here: its z axis, axes of the map, some degrees apart.
+  std::vector<Eigen::Vector3f> stands = {};
 };
+
+inline constexpr std::size_t kMostStands = 32;  ///< of a place
 
 /// Everything that outlives a run: what a map file holds.
 struct SavedMap {
@@ -42,6 +46,8 @@ class KeyframeArchive {
   double scene(const Eigen::Vector3d& position) const;
   /// `points` in the body frame, any density.
   void add(std::int64_t utime, const Pose& map_from_body, double reach, const PointCloud& points);
+  /// The body stood like this: on slopes that differs from one step to the next.
+  void note_stand(const Pose& map_from_body);
   void restore(std::vector<ArchivedKeyframe> keyframes);
   void clear();
 
@@ -55,6 +61,11 @@ class KeyframeArchive {
   std::size_t max_points_, points_ = 0;
   std::vector<ArchivedKeyframe> keyframes_;
 };
+
+/// The different ways in which the body stood within `radius` metres of `centre` (map frame): directions of
+/// its z axis, axes of the map.
+std::vector<Eigen::Vector3d> stands_around(const std::vector<ArchivedKeyframe>& keyframes,
+                                           const Eigen::Vector3d& centre, double radius);
 
 /// What was seen within `radius` metres (horizontally) of `centre` (map frame), thinned to `voxel` metres:
 /// axes of the map, coordinates relative to `centre`.

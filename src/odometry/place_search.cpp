@@ -16,7 +16,12 @@ constexpr double kSourceReach = 5.6;  // of the scene's size, radius of what is 
 constexpr double kVoxel = 0.0675;     // of the scene's size
 // What looks alike on one scale seldom does so on another.
 constexpr std::array<double, 3> kScales = {1.0, 1.35, 0.75};
-constexpr double kOffset = 20.0;  // metres: how far from a centre the robot is looked for
+constexpr double kStandReach = 20.0;  // metres
+// Where the body stood in many ways it stands in others, too. A search that allows for them takes several
+// times as long.
+constexpr std::size_t kManyStands = 4;
+constexpr double kTilt = 0.01, kRoughTilt = 0.025;  // radians
+constexpr double kOffset = 20.0;                    // metres: how far from a centre the robot is looked for
 
 Eigen::Vector3d nearest_place(const KeyframeArchive& archive, const Eigen::Vector3d& centre) {
   const auto distance = [&](const ArchivedKeyframe& k) {
@@ -33,6 +38,7 @@ Eigen::Vector3d nearest_place(const KeyframeArchive& archive, const Eigen::Vecto
 void PlaceSearch::begin(const Eigen::Vector3d& anchor) {
   anchor_ = anchor;
   attempts_ = turn_ = 0;
+  careful_ = false;
   round_ = 2;
 }
 
@@ -66,6 +72,9 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
   // badly.
   if (up && (turn_ / round_) % 2 == 0) request.source_up = excursion.up();
   request.body_up = excursion.state().pose.linear().col(2);
+  if (!request.source_up) request.stands = stands_around(request.places, request.target_centre, kStandReach);
+  rough_ = request.stands.size() > kManyStands;
+  request.tilt = rough_ && careful_ ? kRoughTilt : kTilt;
   out_ = true;
   void_ = false;
   scans_asked_ = excursion.scans();
@@ -73,18 +82,19 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
   return request;
 }
 
-bool PlaceSearch::take(std::int64_t serial) {
+bool PlaceSearch::take(std::int64_t serial, bool found) {
   if (!out_ || serial != serial_) return false;
   out_ = false;
   if (void_) return false;
-  ++attempts_;
-  ++turn_;
+  const bool again = rough_ && !careful_ && !found;  // with care
+  careful_ = careful_ || again;
+  if (!again) ++attempts_;
+  if (again || found) {
+    scans_wanted_ = std::min(scans_wanted_, scans_asked_ + kSecondLook);
+  } else {
+    ++turn_;
+  }
   return true;
-}
-
-void PlaceSearch::look_again() {
-  --turn_;
-  scans_wanted_ = std::min(scans_wanted_, scans_asked_ + kSecondLook);
 }
 
 std::vector<Eigen::Vector3d> PlaceSearch::other_centres(const KeyframeArchive& archive) const {

@@ -27,10 +27,9 @@ class PlaceSearch {
   std::optional<RecoveryRequest> next(std::int64_t utime, const Excursion& excursion,
                                       const KeyframeArchive& archive,
                                       const std::optional<Eigen::Vector3d>& up);
-  /// The answer to a request came in; false when it is too late.
-  bool take(std::int64_t serial);
-  /// There is something: the next look, of another scale, is at the same part of the map, and soon.
-  void look_again();
+  /// The answer to a request came in; false when it is too late. Where there is something the next look, of
+  /// another scale, is at the same part of the map, and soon.
+  bool take(std::int64_t serial, bool found);
   bool looked_everywhere() const { return turn_ >= 2 && turn_ >= round_; }
 
  private:
@@ -40,6 +39,8 @@ class PlaceSearch {
   std::int64_t serial_ = 0;
   bool out_ = false, void_ = false;
   int attempts_ = 0;      ///< answered since the robot was lost
+  bool rough_ = false;    ///< the request: the ground may make the body stand in ways it never did there
+  bool careful_ = false;  ///< a search that does not allow for that has found nothing
   int turn_ = 0;          ///< parts of the map done with
   int round_ = 2;         ///< turns that look everywhere once
   int scans_asked_ = 0;   ///< that the excursion had at the last request,

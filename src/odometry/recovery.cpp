@@ -13,23 +13,7 @@
 namespace scanlock {
 namespace {
 
-constexpr double kTilt = 0.01;            // radians: the last good attitude is not that of the place found
-constexpr double kStandReach = 20;        // metres
-constexpr double kStandStep = 0.05;       // radians
 constexpr std::size_t kMaxNodes = 20000;  // of a search: some tenths of a second
-
-/// The different ways in which the body stood, on the scans near the target's centre: its z axis in the
-/// target's frame.
-std::vector<Eigen::Vector3d> attitudes(const RecoveryRequest& request, const Eigen::Matrix3d& level) {
-  std::vector<Eigen::Vector3d> ups;
-  for (const ArchivedKeyframe& k : request.places) {
-    if ((k.map_from_body.translation() - request.target_centre).norm() > kStandReach) continue;
-    const Eigen::Vector3d up = level * k.map_from_body.linear().col(2);
-    const auto alike = [&](const Eigen::Vector3d& other) { return up.dot(other) > std::cos(kStandStep); };
-    if (std::none_of(ups.begin(), ups.end(), alike)) ups.push_back(up);
-  }
-  return ups;
-}
 
 }  // namespace
 
@@ -78,10 +62,10 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   const CloudDescription source = describe(moved(request.source, Pose(stand)), options);
 
   CloudRegistrationOptions registration;
-  registration.tilt = kTilt;
+  registration.tilt = request.tilt;
   registration.max_nodes = kMaxNodes;
   registration.judged = false;
-  if (!request.source_up) registration.target_ups = attitudes(request, level);
+  for (const Eigen::Vector3d& up : request.stands) registration.target_ups.push_back(level * up);
   const CloudRegistration found = register_clouds(source, target_->description, registration);
 
   RecoveryAnswer answer;

@@ -26,10 +26,12 @@ struct RecoveryRequest {
   Eigen::Vector3d target_centre = Eigen::Vector3d::Zero();  ///< map frame
   double radius = 0;                                        ///< metres about the target centre
   double voxel = 0;                                         ///< metres, of both
+  double tilt = 0;                                          ///< radians: how well attitudes are known
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();            ///< in the map frame
-  /// The z axis of the body, axes of the predicted map frame: at its place it is what it was on the scans
-  /// nearby.
+  /// The z axis of the body, axes of the predicted map frame: at its place it is one of these, axes of the
+  /// map. None where up is measured.
   Eigen::Vector3d body_up = Eigen::Vector3d::UnitZ();
+  std::vector<Eigen::Vector3d> stands;
   /// Up as an attitude sensor measured it, axes of the predicted map frame: goes for slopes on which the
   /// robot never stood, too.
   std::optional<Eigen::Vector3d> source_up;

@@ -158,14 +158,13 @@ std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, cons
 
 void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
                       Odometer& odometer) {
-  if (!search_.take(answer.serial) || !lost_ || !excursion_) return;
+  if (!search_.take(answer.serial, answer.verdict == PlaceVerdict::kFound) || !lost_ || !excursion_) return;
   if (answer.verdict != PlaceVerdict::kFound) {
     if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
     ended_ = recovery_of(answer);
     return;
   }
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
-  search_.look_again();
   const bool seconded = is_earlier_find(answer.map_from_predicted);
   // Earlier finds are rivals too: what a few matches more or less decide is not decided.
   std::vector<Pose> places = {answer.map_from_predicted};

@@ -192,6 +192,7 @@ struct Tracker::State {
     odometer.keep(utime, scan, attempt.health.share);
     if (archive.wants(last_trusted_pose.translation(), scan.median_range))
       archive.add(utime, last_trusted_pose, scan.median_range, deskewed(scan.source, odometer.state().twist));
+    archive.note_stand(last_trusted_pose);
   }
 
   /// Nothing was learnt: the prediction stands in, and is not believed for long.

@@ -34,7 +34,11 @@ SavedMap some_map(int keyframes, int points) {
   for (int k = 0; k < keyframes; ++k) {
     auto cloud = std::make_shared<PointCloud>();
     for (int i = 0; i < points; ++i) cloud->push_back(uniform(random), uniform(random), uniform(random) / 20);
-    map.keyframes.push_back({1700000000000000 + k, some_pose(k), 12.5f + static_cast<float>(k), cloud});
+    map.keyframes.push_back({1700000000000000 + k,
+                             some_pose(k),
+                             12.5f + static_cast<float>(k),
+                             cloud,
+                             {Eigen::Vector3f(0.6f, 0, 0.8f), Eigen::Vector3f::UnitZ()}});
   }
   return map;
 }
@@ -78,6 +82,7 @@ TEST_CASE("a map comes back poses exactly points to half a step") {
     CHECK(after.utime == before.utime);
     CHECK(after.map_from_body.matrix() == before.map_from_body.matrix());
     CHECK(after.reach == before.reach);
+    CHECK(after.stands == before.stands);
     REQUIRE(after.points->size() == 200);
     float worst = 0;
     for (std::size_t i = 0; i < 200; ++i)
@@ -106,13 +111,12 @@ TEST_CASE("an empty map an empty keyframe and points that are not finite") {
   CHECK((read.keyframes[0].points->point(0) - Eigen::Vector3f(1, 2, 3)).norm() < 1e-3f);
 }
 
-TEST_CASE("the bytes of version 1 stay as they are") {
+TEST_CASE("the bytes of versions 1 and 2 stay as they are") {
   SavedMap map;
   map.epoch = 2;
   auto cloud = std::make_shared<PointCloud>();
   cloud->push_back(1, -2, 0.5f);
-  map.keyframes.push_back({5, Pose::Identity(), 8.0f, cloud});
-  const Bytes bytes = encode_map(map);
+  map.keyframes.push_back({5, Pose::Identity(), 8.0f, cloud, {}});
   Bytes expected = {0x89, 'S', 'L', 'M', 'A', 'P', '\r', '\n', 1, 0, 0, 0};
   const auto append = [&](std::initializer_list<int> more) {
     for (const int byte : more) expected.push_back(static_cast<std::uint8_t>(byte));
@@ -130,7 +134,18 @@ TEST_CASE("the bytes of version 1 stay as they are") {
   append({1, 0, 0, 0});
   append({0x00, 0x20, 0x00, 0xC0, 0x00, 0x10});
   append({0xFA, 0x9A, 0x97, 0xD7});  // CRC-32, by zlib
-  CHECK(bytes == expected);
+  const SavedMap old = decode_map(expected, "yard.map");
+  REQUIRE(old.keyframes.size() == 1);
+  CHECK(old.keyframes[0].points->point(0) == cloud->point(0));
+  CHECK(old.keyframes[0].stands.empty());
+
+  map.keyframes[0].stands.emplace_back(0, 0, 1);
+  expected[8] = 2;
+  expected[12] = static_cast<std::uint8_t>(226 + 16);
+  expected.resize(expected.size() - 4);
+  append({1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x80, 0x3F});
+  append({0, 0, 0, 0});
+  CHECK(encode_map(map) == sealed(expected));
 }
 
 TEST_CASE("what is wrong is named with its byte") {
@@ -154,6 +169,12 @@ TEST_CASE("what is wrong is named with its byte") {
   Bytes counted = good;
   counted[20 + 4 + 96] = 200;  // keyframes that are not there, under a fitting checksum
   CHECK(contains(error_of(sealed(counted)), "the keyframes would take"));
+  Bytes fallen = good;
+  fallen[good.size() - 4 - 1] = 0x40;  // the last coordinate of the last stand: 4 instead of 1
+  CHECK(contains(error_of(sealed(fallen)), "a stand is no direction"));
+  Bytes crowded = good;
+  crowded[good.size() - 4 - 24 - 4] = 33;
+  CHECK(contains(error_of(sealed(crowded)), "33 stands are none of ours"));
   Bytes bent = good;
   bent[20 + 4 + 7] = 0x7F;  // the first element of the last pose
   CHECK(contains(error_of(sealed(bent)), "byte 24: the last pose is no rigid pose"));

@@ -69,3 +69,27 @@ TEST_CASE("a submap joins the places around a centre in the axes of the map") {
   CHECK(submap.point(first).isApprox(Eigen::Vector3f(0, 1, 0.5f), 1e-5f));
   CHECK(submap.point(1 - first).isApprox(Eigen::Vector3f(4, 0, 0.5f), 1e-5f));
 }
+
+TEST_CASE("the ways in which the body stood are kept with the nearest place a few degrees apart") {
+  const auto tilted = [](double x, double radians) {
+    Pose pose = at(x, 0);
+    pose.linear() = so3_exp(Eigen::Vector3d(radians, 0, 0));
+    return pose;
+  };
+  KeyframeArchive archive(1000000);
+  archive.note_stand(tilted(0, 0.2));  // nowhere yet
+  archive.add(1, at(0, 0), 12, ring(500, 12));
+  archive.add(2, at(50, 0), 12, ring(500, 12));
+  for (int i = 0; i <= 20; ++i) archive.note_stand(tilted(1, 0.011 * i));
+  archive.note_stand(tilted(49, 0.5));
+  const std::vector<Eigen::Vector3d> near = stands_around(archive.keyframes(), {0, 0, 0}, 20);
+  REQUIRE(near.size() == 5);  // 0, 0.055 and so on
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    CHECK(near[i].norm() == doctest::Approx(1));
+    for (std::size_t j = 0; j < i; ++j) CHECK(near[i].dot(near[j]) < std::cos(0.0499));
+  }
+  CHECK(stands_around(archive.keyframes(), {0, 0, 0}, 60).size() == 6);
+  CHECK(stands_around(archive.keyframes(), {0, 200, 0}, 60).empty());
+  for (int i = 0; i < 1000; ++i) archive.note_stand(tilted(0, 0.06 * i));
+  CHECK(archive.keyframes()[0].stands.size() <= kMostStands);
+}
