@@ -188,11 +188,12 @@ void Registrar::look_for_more(Matches matches) {
   }
 }
 
-/// The clouds contradict what is found by now, after one that they do not: what still fewer matches propose
-/// is no rival.
+/// One was found a while ago that the clouds do not contradict, and they contradict all others: what still
+/// fewer matches propose is no rival. Where several look alike the right one may have the fewest.
 bool Registrar::enough_proposals() const {
   const auto last = std::find_if(hypotheses_.rbegin(), hypotheses_.rend(), is_good);
-  return last != hypotheses_.rend() && last - hypotheses_.rbegin() >= kAfterwards;
+  return last - hypotheses_.rbegin() >= kAfterwards &&
+         std::count_if(hypotheses_.begin(), hypotheses_.end(), is_good) == 1;
 }
 
 void Registrar::attempt(const CloudDescription& source, const CloudDescription& target) {

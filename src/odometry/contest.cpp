@@ -91,6 +91,12 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
   return ++scans_ >= kPatience ? Outcome::kUndecided : Outcome::kOpen;
 }
 
+std::vector<Pose> Contest::places() const {
+  std::vector<Pose> result;
+  for (const Place& place : places_) result.push_back(place.map_from_predicted);
+  return result;
+}
+
 /// Who has missed too often, is far behind, or has come to stand where a better one is.
 void Contest::drop_losers() {
   std::vector<Place> left;

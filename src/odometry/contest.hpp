@@ -36,7 +36,8 @@ class Contest {
   /// Of the place that leads, on the last scan.
   const Attempt& attempt() const { return places_.front().attempt; }
   const Pose& map_from_predicted() const { return places_.front().map_from_predicted; }
-  std::size_t places() const { return places_.size(); }
+  /// All that are still in question.
+  std::vector<Pose> places() const;
 
  private:
   struct Place {

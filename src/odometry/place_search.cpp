@@ -52,21 +52,23 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
                                                  const std::optional<Eigen::Vector3d>& up) {
   if (out_ || archive.empty() || excursion.scans() < scans_wanted_) return std::nullopt;
   const std::vector<Eigen::Vector3d> others = other_centres(archive);
-  round_ = 2 + static_cast<int>(others.size());
+  round_ = 2 * (1 + static_cast<int>(others.size()));
   const int turn = turn_ % round_;
+  const bool here = turn < 2 || turn % 2 == 1;
 
   RecoveryRequest request;
   request.serial = ++serial_;
   request.utime = utime;
   // The centre is where a sensor was, so that what it saw through is known to be empty.
   request.target_centre =
-      nearest_place(archive, turn < 2 ? anchor_ : others[static_cast<std::size_t>(turn - 2)]);
+      nearest_place(archive, here ? anchor_ : others[static_cast<std::size_t>(turn / 2 - 1)]);
   const double scene =
       kScales[static_cast<std::size_t>(attempts_) % kScales.size()] * archive.scene(request.target_centre);
-  request.radius = kSourceReach * scene + kOffset;
+  request.source_radius = kSourceReach * scene;
+  request.radius = request.source_radius + kOffset;
   request.voxel = kVoxel * scene;
   request.places = archive.keyframes();
-  request.source = excursion.submap(kSourceReach * scene, request.source_centre);
+  request.source = excursion.submap(request.source_radius, request.source_centre);
   request.up = up.value_or(Eigen::Vector3d::UnitZ());
   // A measured attitude goes for every place. Every other round does without: what accelerates measures
   // badly.

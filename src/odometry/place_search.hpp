@@ -12,8 +12,8 @@
 namespace scanlock {
 
 /// The order in which a lost robot looks for its place: around where it was last believed to be, again when
-/// it has seen more, then everywhere else it has been, the nearest first, and so on and on with ever longer
-/// pauses.
+/// it has seen more, and from then on by turns there and everywhere else it has been, the nearest first, on
+/// and on with ever longer pauses.
 class PlaceSearch {
  public:
   /// The robot was lost at `anchor` (map frame).

@@ -13,6 +13,7 @@
 namespace scanlock {
 namespace {
 
+constexpr double kKeypoints = 1000;       // of the source; of the target as many per area
 constexpr std::size_t kMaxNodes = 20000;  // of a search: some tenths of a second
 
 }  // namespace
@@ -44,6 +45,8 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   options.voxel = request.voxel;
   if (!target_ || !target_->is_of(request)) {
     Target target;
+    options.keypoints =
+        static_cast<std::size_t>(kKeypoints * std::pow(request.radius / request.source_radius, 2));
     target.centre = request.target_centre;
     target.radius = request.radius;
     target.voxel = request.voxel;
@@ -59,6 +62,7 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   // Without a measured attitude the source is levelled by its own body: slopes turn the body, and where it
   // stands now is not where it was lost.
   const Eigen::Matrix3d stand = level_rotation(request.source_up.value_or(request.body_up));
+  options.keypoints = static_cast<std::size_t>(kKeypoints);
   const CloudDescription source = describe(moved(request.source, Pose(stand)), options);
 
   CloudRegistrationOptions registration;

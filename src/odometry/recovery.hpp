@@ -21,6 +21,7 @@ struct RecoveryRequest {
   std::int64_t utime = 0;  ///< microseconds, stamp of the newest scan in `source`
   /// What was seen since the robot got lost, axes of the predicted map frame, relative to `source_centre`.
   PointCloud source;
+  double source_radius = 0;  ///< metres about its centre
   Eigen::Vector3d source_centre = Eigen::Vector3d::Zero();
   std::vector<ArchivedKeyframe> places;
   Eigen::Vector3d target_centre = Eigen::Vector3d::Zero();  ///< map frame

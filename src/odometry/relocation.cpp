@@ -17,6 +17,7 @@ constexpr int kSeldom = 5;              // and after that on every fifth
 constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
 constexpr double kSamePlace = 1.0;      // metres: finds of two searches that mean the same,
 constexpr double kSameHeading = 6.0 * kDegree;
+constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival is enough there
 constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
 
 /// Whether the map at hand is one of that place.
@@ -77,6 +78,7 @@ void Relocation::depart_or_follow(std::int64_t utime, double dt, const PreparedS
   if (excursion_ && candidate_) refuse("the scans that followed do not fit each other: ");
   search_.begin_anew();
   earlier_finds_.clear();
+  undecided_.clear();
   const Matrix12& covariance = odometer.covariance();
   gate_m_ = 0.5 + 3.0 * std::sqrt(covariance.diagonal().head<3>().maxCoeff());
   gate_rad_ = 3.0 * kDegree + 3.0 * std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
@@ -117,7 +119,10 @@ Relocation::Outcome Relocation::confirm(const PreparedScan& scan, Odometer& odom
   *attempt = candidate_->contest.attempt();
   if (outcome == Contest::Outcome::kRefuted) refuse("the scans that followed do not fit: ");
   if (outcome == Contest::Outcome::kUndecided) {
-    if (candidate_->answer) state_ = TrackingState::kAmbiguous;
+    if (candidate_->answer) {
+      state_ = TrackingState::kAmbiguous;
+      undecided_ = candidate_->contest.places();
+    }
     refuse("the scans that followed fit several places alike: ");
   }
   if (outcome != Contest::Outcome::kWon) return Outcome::kLost;
@@ -166,11 +171,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   }
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
   const bool seconded = is_earlier_find(answer.map_from_predicted);
-  // Earlier finds are rivals too: what a few matches more or less decide is not decided.
-  std::vector<Pose> places = {answer.map_from_predicted};
-  for (const std::vector<Pose>& others : {answer.rivals, earlier_finds_})
-    places.insert(places.end(), others.begin(), others.end());
-  places.resize(std::min(places.size(), kMostPlaces));
+  std::vector<Pose> places = rivals_of(answer);
+  places.insert(places.begin(), answer.map_from_predicted);
   earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);
   earlier_finds_.resize(std::min(earlier_finds_.size(), kMostPlaces));
   if (!answer.clear && !seconded) {
@@ -183,6 +185,25 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     odometer.reload(archive.keyframes(), place.translation(), voxel);
   const auto evidence = answer.clear ? Contest::Evidence::kClear : Contest::Evidence::kSeconded;
   candidate_ = Candidate{Contest(places, evidence), std::move(answer)};
+}
+
+/// Earlier finds are rivals too, and what could not be decided before: a few matches more or less do not
+/// decide it.
+std::vector<Pose> Relocation::rivals_of(const RecoveryAnswer& answer) const {
+  const Pose& predicted = excursion_->state().pose;
+  std::vector<Pose> rivals;
+  const auto is_there = [&](const Pose& place, const Pose& other) {
+    return near(other * predicted, place * predicted, kTakenPlace, kTakenHeading);
+  };
+  for (const std::vector<Pose>& some : {undecided_, answer.rivals, earlier_finds_}) {
+    for (const Pose& place : some) {
+      const bool taken = is_there(place, answer.map_from_predicted) ||
+                         std::any_of(rivals.begin(), rivals.end(),
+                                     [&](const Pose& other) { return is_there(place, other); });
+      if (!taken && rivals.size() + 1 < kMostPlaces) rivals.push_back(place);
+    }
+  }
+  return rivals;
 }
 
 /// Whether a search of this excursion had it for the likeliest place already.

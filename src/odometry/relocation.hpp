@@ -75,6 +75,7 @@ class Relocation {
   Outcome confirm(const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
   void refuse(const std::string& why);
   void follow_excursion(Odometer& odometer) const;
+  std::vector<Pose> rivals_of(const RecoveryAnswer& answer) const;
   bool is_earlier_find(const Pose& map_from_predicted) const;
   Recovery recovery_of(const RecoveryAnswer& answer) const;
 
@@ -88,6 +89,7 @@ class Relocation {
   double energy_before_ = 1;
   std::optional<Candidate> candidate_;
   std::vector<Pose> earlier_finds_;  ///< of this excursion, the newest first
+  std::vector<Pose> undecided_;      ///< places that fitted its scans alike
   PlaceSearch search_;
   std::optional<Recovery> ended_;
 };
