@@ -99,6 +99,7 @@ NeighbourLists radius_neighbours(const PointCloud& cloud, float radius) {
   std::vector<std::uint32_t> count(cloud.size(), 0), found;
   std::vector<float> found_squared;
   std::vector<std::size_t> start(cloud.size(), 0);
+  std::size_t used = 0;
   Candidates candidates;
   for (std::size_t first = 0; first < order.size();) {
     std::size_t last = first;
@@ -108,22 +109,28 @@ NeighbourLists radius_neighbours(const PointCloud& cloud, float radius) {
     for (; first < last; ++first) {
       const std::uint32_t i = order[first].index;
       candidates.measure(cloud.point(i));
-      start[i] = found.size();
-      for (std::size_t k = 0; k < candidates.index.size(); ++k) {
-        if (candidates.squared[k] > squared_radius) continue;
-        found.push_back(candidates.index[k]);
-        found_squared.push_back(candidates.squared[k]);
+      start[i] = used;
+      if (found.size() < used + candidates.index.size()) {
+        found.resize(2 * (used + candidates.index.size()));
+        found_squared.resize(found.size());
       }
-      count[i] = static_cast<std::uint32_t>(found.size() - start[i]);
+      // All are written, and those too far away written over: which it is cannot be foretold, so a branch
+      // would cost more.
+      for (std::size_t k = 0; k < candidates.index.size(); ++k) {
+        found[used] = candidates.index[k];
+        found_squared[used] = candidates.squared[k];
+        used += candidates.squared[k] <= squared_radius ? 1 : 0;
+      }
+      count[i] = static_cast<std::uint32_t>(used - start[i]);
     }
-    if (found.size() > kMostEntries)
+    if (used > kMostEntries)
       throw std::length_error(
           "radius_neighbours: too many neighbours; thin the cloud or take a smaller radius");
   }
   NeighbourLists lists;
   lists.begin.resize(cloud.size() + 1, 0);
-  lists.index.reserve(found.size());
-  lists.squared_distance.reserve(found.size());
+  lists.index.reserve(used);
+  lists.squared_distance.reserve(used);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const auto from = static_cast<std::ptrdiff_t>(start[i]),
                to = from + static_cast<std::ptrdiff_t>(count[i]);
