@@ -76,12 +76,12 @@ class SimpleHistograms {
       : needed_(cloud.size(), 0),
         rows_(Descriptors::Zero(static_cast<Eigen::Index>(cloud.size()), kFpfhSize)) {
     for (std::uint32_t keypoint : keypoints) {
-      for (std::uint32_t e = neighbours.begin[keypoint]; e < neighbours.begin[keypoint + 1]; ++e)
+      for (std::uint32_t e = neighbours.begin[keypoint]; e < neighbours.end[keypoint]; ++e)
         needed_[neighbours.index[e]] = 1;
     }
     const AngleBorders borders;
     for (std::uint32_t a = 0; a < cloud.size(); ++a) {
-      for (std::uint32_t e = neighbours.begin[a]; e < neighbours.begin[a + 1]; ++e) {
+      for (std::uint32_t e = neighbours.begin[a]; e < neighbours.end[a]; ++e) {
         const std::uint32_t b = neighbours.index[e];
         if (b <= a || !(needed_[a] || needed_[b])) continue;
         const PairBins bins = pair_bins(cloud, a, b, borders);
@@ -119,7 +119,7 @@ Descriptors fpfh(const PointCloud& cloud, const NeighbourLists& neighbours,
   Descriptors result = Descriptors::Zero(static_cast<Eigen::Index>(keypoints.size()), kFpfhSize);
   for (std::size_t k = 0; k < keypoints.size(); ++k) {
     float* row = result.data() + k * kFpfhSize;
-    for (std::uint32_t e = neighbours.begin[keypoints[k]]; e < neighbours.begin[keypoints[k] + 1]; ++e) {
+    for (std::uint32_t e = neighbours.begin[keypoints[k]]; e < neighbours.end[keypoints[k]]; ++e) {
       if (!(neighbours.squared_distance[e] > 0)) continue;
       const float weight = 1.0f / neighbours.squared_distance[e];
       const float* other = simple.row(neighbours.index[e]);
