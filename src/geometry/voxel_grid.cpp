@@ -208,6 +208,17 @@ std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, const std::vec
   return thin(cloud, subset.size(), voxel, [&](std::size_t i) { return subset[i]; });
 }
 
+std::size_t count_voxels(const PointCloud& cloud, float size) {
+  if (!(size > 0)) throw std::invalid_argument("count_voxels: the voxel size must be above 0");
+  const float inverse_size = 1.0f / size;
+  VoxelNumbers voxels;
+  Voxel voxel{};
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (locate(cloud.x[i], cloud.y[i], cloud.z[i], inverse_size, &voxel)) voxels.number(pack(voxel));
+  }
+  return voxels.keys().size();
+}
+
 PointCloud average_by_voxel(const PointCloud& cloud, float size) {
   if (!(size > 0)) throw std::invalid_argument("average_by_voxel: the voxel size must be above 0");
   const float inverse_size = 1.0f / size;

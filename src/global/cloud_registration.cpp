@@ -162,8 +162,9 @@ void Registrar::add_hypothesis(const Pose& pose, int consensus) {
 void Registrar::compare_clouds(Hypothesis* hypothesis) {
   if (!source_check_) source_check_.emplace(source_.points, source_.voxel);
   if (!target_check_) target_check_.emplace(target_.points, target_.voxel);
-  hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->start);
-  if (hypothesis->fit.contradiction < kHopeless || hypotheses_.empty()) {
+  const bool first = hypotheses_.empty();
+  if (!first) hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->start);
+  if (first || hypothesis->fit.contradiction < kHopeless) {
     hypothesis->refined = refined(hypothesis->start, &hypothesis->degenerate_axes);
     hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->refined);
     // Where surfaces leave a slide open, the clouds know more of it than the first matches did.
