@@ -228,7 +228,10 @@ class CloudAligner {
     descent.anderson_window = method_.accelerated ? AndersonAcceleration::kMaxWindow : 0;
     descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 100;
     descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : kLineSearchSteps;
-    const double last_tolerance = std::min(tolerance_, effort_.last_tolerance * result_.nu_min);
+    // What comes to rest on planes afterwards need not arrive by distances to points.
+    const double last_tolerance = keeps_better_start_
+                                      ? effort_.upper_tolerance * result_.nu_min
+                                      : std::min(tolerance_, effort_.last_tolerance * result_.nu_min);
     const double levels = 1.0 + std::max(0.0, std::ceil(std::log2(first_nu / result_.nu_min)));
     double level = 0;
     for (double nu = first_nu; nu > result_.nu_min; nu *= kNuFactor, ++level) {
