@@ -69,8 +69,7 @@ Pose fit_surfaces(const std::vector<SurfaceMatch>& matches, Pose pose, const Eig
         continue;
       // Welsch's weights, for what is near by chance is anywhere there.
       const double weight = std::exp(-along * along / (2 * scale * scale));
-      if (squared_within < kReach * kReach * epsilon * epsilon)
-        spread.add(weight, along * along, squared_within);
+      if (squared_within < epsilon * epsilon) spread.add(weight, along * along, squared_within);
       const double within = weight_within * std::exp(-squared_within / two_variances);
       const Eigen::Matrix3d metric = weight * (m.normal_q * m.normal_q.transpose() * (1 - within) +
                                                within * Eigen::Matrix3d::Identity());
