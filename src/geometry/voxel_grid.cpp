@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/radix_sort.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -76,7 +78,8 @@ class VoxelTable {
 
   /// Indices in Morton order of their voxels.
   std::vector<std::uint32_t> collect() const {
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+    std::vector<KeyedIndex> order;
+    order.reserve(used_);
     for (const Slot& slot : slots_) {
       if (slot.index == kEmpty) continue;
       const auto coordinate = [&](int shift) {
@@ -84,7 +87,7 @@ class VoxelTable {
       };
       order.emplace_back(morton_key(coordinate(42), coordinate(21), coordinate(0)), slot.index);
     }
-    std::sort(order.begin(), order.end());
+    radix_sort(&order);
     std::vector<std::uint32_t> indices(order.size());
     std::transform(order.begin(), order.end(), indices.begin(),
                    [](const auto& entry) { return entry.second; });
@@ -208,6 +211,17 @@ std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, const std::vec
   return thin(cloud, subset.size(), voxel, [&](std::size_t i) { return subset[i]; });
 }
 
+std::size_t count_voxels(const PointCloud& cloud, float size) {
+  if (!(size > 0)) throw std::invalid_argument("count_voxels: the voxel size must be above 0");
+  const float inverse_size = 1.0f / size;
+  VoxelNumbers voxels;
+  Voxel voxel{};
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (locate(cloud.x[i], cloud.y[i], cloud.z[i], inverse_size, &voxel)) voxels.number(pack(voxel));
+  }
+  return voxels.keys().size();
+}
+
 PointCloud average_by_voxel(const PointCloud& cloud, float size) {
   if (!(size > 0)) throw std::invalid_argument("average_by_voxel: the voxel size must be above 0");
   const float inverse_size = 1.0f / size;
@@ -229,10 +243,10 @@ PointCloud average_by_voxel(const PointCloud& cloud, float size) {
       sum.normals +=
           sum.normals.dot(cloud.normal(i)) < 0 ? Eigen::Vector3f(-cloud.normal(i)) : cloud.normal(i);
   }
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(sums.size());
+  std::vector<KeyedIndex> order(sums.size());
   for (std::size_t i = 0; i < order.size(); ++i)
     order[i] = {morton_of(voxels.keys()[i]), static_cast<std::uint32_t>(i)};
-  std::sort(order.begin(), order.end());
+  radix_sort(&order);
   PointCloud result;
   result.reserve(order.size());
   for (const auto& entry : order) {

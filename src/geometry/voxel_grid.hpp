@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -22,6 +23,9 @@ std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, float voxel);
 /// The same over a part of the cloud, given as indices.
 std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, const std::vector<std::uint32_t>& subset,
                                          float voxel);
+
+/// How many points thin_by_voxel() would leave.
+std::size_t count_voxels(const PointCloud& cloud, float voxel);
 
 /// One point a voxel: the mean of the points in it, and the mean of their normals (of those that are finite;
 /// opposite signs count as one direction; zero where there is none), in Morton order of the voxels. Noise

@@ -153,6 +153,18 @@ Matches match(const CloudDescription& source, const CloudDescription& target, in
   return matches;
 }
 
+std::vector<SurfaceMatch> match_surfaces(const CloudDescription& source, const CloudDescription& target,
+                                         int lambda) {
+  std::vector<SurfaceMatch> matches;
+  if (source.keypoints.empty() || target.keypoints.empty()) return matches;
+  for (const auto& [s, t] : mutual_nearest(source.descriptors, target.descriptors, lambda)) {
+    const std::uint32_t i = source.keypoints[s], j = target.keypoints[t];
+    matches.push_back({source.points.point(i).cast<double>(), target.points.point(j).cast<double>(),
+                       source.points.normal(i).cast<double>(), target.points.normal(j).cast<double>()});
+  }
+  return matches;
+}
+
 CloudDescription part(const CloudDescription& whole, std::size_t stride) {
   CloudDescription result;
   result.points = whole.points;

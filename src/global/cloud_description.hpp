@@ -9,6 +9,7 @@
 #include "geometry/match.hpp"
 #include "geometry/point_cloud.hpp"
 #include "global/fpfh.hpp"
+#include "global/surface_fit.hpp"
 
 namespace scanlock {
 
@@ -54,6 +55,9 @@ CloudDescription describe(const PointCloud& cloud, const DescriptionOptions& opt
 
 /// Candidate correspondences: keypoints each among the `lambda` nearest of the other by descriptor.
 Matches match(const CloudDescription& source, const CloudDescription& target, int lambda = 4);
+/// The same with the normals there.
+std::vector<SurfaceMatch> match_surfaces(const CloudDescription& source, const CloudDescription& target,
+                                         int lambda);
 
 /// The description with every n-th keypoint.
 CloudDescription part(const CloudDescription& whole, std::size_t stride);

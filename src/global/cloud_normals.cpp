@@ -15,7 +15,7 @@ Eigen::Vector3f normal_at(const PointCloud& cloud, const NeighbourLists& neighbo
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
   int count = 0;
-  for (std::uint32_t e = neighbours.begin[i]; e < neighbours.begin[i + 1]; ++e) {
+  for (std::uint32_t e = neighbours.begin[i]; e < neighbours.end[i]; ++e) {
     if (neighbours.squared_distance[e] > squared_radius) continue;
     const Eigen::Vector3d d = (cloud.point(neighbours.index[e]) - centre).cast<double>();
     sum += d;

@@ -64,6 +64,7 @@ class Registrar {
   void look_for_more(Matches matches);
   bool enough_proposals() const;
   Pose middle_pose(Pose pose);
+  Pose surface_pose(const Pose& pose);
   void compare_clouds(Hypothesis* hypothesis);
   void add_hypothesis(const Pose& pose, int consensus);
   Pose refined(const Pose& start, std::uint32_t* degenerate_axes);
@@ -79,6 +80,7 @@ class Registrar {
   CloudRegistrationOptions options_;
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();  // of the source, metres
   Matches guided_matches_;                            // of all keypoints; drawn when first needed
+  std::vector<SurfaceMatch> surface_matches_;         // the same, for clouds that judge
   std::optional<CloudTarget> index_;
   std::optional<CloudCheck> source_check_, target_check_;
   std::vector<Hypothesis> hypotheses_;  // of this attempt; distinct; the first has the largest consensus
@@ -140,13 +142,20 @@ Pose Registrar::middle_pose(Pose pose) {
   return pose;
 }
 
+/// The pose near it at which the surfaces of all matches meet. (Not for callers who judge: what they make of
+/// the poses was settled with middle_pose().)
+Pose Registrar::surface_pose(const Pose& pose) {
+  if (surface_matches_.empty()) surface_matches_ = match_surfaces(source_, target_, kGuidedLambda);
+  return fit_surfaces(surface_matches_, pose, centre_, result_.epsilon);
+}
+
 /// Makes the pose precise, first with all matches, then with the clouds, and compares the clouds. Drops it
 /// when a hypothesis is there already.
 void Registrar::add_hypothesis(const Pose& pose, int consensus) {
   CpuClock clock;
   Hypothesis hypothesis;
   hypothesis.consensus = consensus;
-  hypothesis.start = hypothesis.refined = middle_pose(pose);
+  hypothesis.start = hypothesis.refined = options_.judged ? surface_pose(pose) : middle_pose(pose);
   result_.matching_ms += clock.lap();
   compare_clouds(&hypothesis);
   result_.refinement_ms += clock.lap();
@@ -159,10 +168,15 @@ void Registrar::add_hypothesis(const Pose& pose, int consensus) {
 void Registrar::compare_clouds(Hypothesis* hypothesis) {
   if (!source_check_) source_check_.emplace(source_.points, source_.voxel);
   if (!target_check_) target_check_.emplace(target_.points, target_.voxel);
-  hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->start);
-  if (hypothesis->fit.contradiction < kHopeless || hypotheses_.empty()) {
+  const bool first = hypotheses_.empty();
+  if (!first) hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->start);
+  if (first || hypothesis->fit.contradiction < kHopeless) {
     hypothesis->refined = refined(hypothesis->start, &hypothesis->degenerate_axes);
     hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->refined);
+    // Where surfaces leave a slide open, the clouds know more of it than the first matches did.
+    if (options_.judged)
+      hypothesis->start =
+          surface_pose(levelled(hypothesis->refined, hypothesis->start.linear().col(2), centre_));
   }
 }
 

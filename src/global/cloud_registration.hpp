@@ -42,8 +42,9 @@ struct CloudRegistrationOptions {
 };
 
 struct CloudRegistration {
-  MatchRegistration solution;                  ///< of the match set that decided
-  Pose start = Pose::Identity();               ///< where the matches have it
+  MatchRegistration solution;  ///< of the match set that decided
+  /// Where the matches have it, level. When judged: those near the refined pose, by their surfaces.
+  Pose start = Pose::Identity();
   Pose target_from_source = Pose::Identity();  ///< refined with the clouds; always finite
   GlobalVerdict verdict = GlobalVerdict::kNoOverlap;
   std::string why;                    ///< a sentence for people

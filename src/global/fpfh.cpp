@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "global/fpfh.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -36,37 +35,67 @@ struct AngleBorders {
 
 /// Of a value in [-1, 1].
 int linear_bin(float value) {
-  return std::clamp(static_cast<int>(static_cast<float>(kBins) * (value + 1.0f) * 0.5f), 0, kBins - 1);
+  const int bin = static_cast<int>(static_cast<float>(kBins) * (value + 1.0f) * 0.5f);
+  return bin < 0 ? 0 : bin < kBins ? bin : kBins - 1;
 }
 
-struct PairBins {
-  int f1 = kMiddle, f2 = kMiddle, f3 = kMiddle;  // what three zeros give: for pairs without a frame
+struct Vector {
+  float x, y, z;
 };
-
-/// The three angles between two points with normals, as bins. The same for (a, b) and (b, a): the frame
-/// stands on the point whose normal is nearer to the line between them.
-PairBins pair_bins(const PointCloud& cloud, std::size_t a, std::size_t b, const AngleBorders& borders) {
-  PairBins bins;
-  Eigen::Vector3f d = cloud.point(b) - cloud.point(a);
-  const float length = d.norm();
-  if (!(length > 0)) return bins;
-  Eigen::Vector3f n1 = cloud.normal(a), n2 = cloud.normal(b);
-  const float angle1 = n1.dot(d) / length, angle2 = n2.dot(d) / length;
-  float f3 = angle1;
-  if (std::abs(angle1) < std::abs(angle2)) {
-    std::swap(n1, n2);
-    d = -d;
-    f3 = -angle2;
-  }
-  Eigen::Vector3f v = d.cross(n1);
-  const float v_length = v.norm();
-  if (!(v_length > 0)) return bins;
-  v /= v_length;
-  bins.f1 = borders.bin(n1.cross(v).dot(n2), n1.dot(n2));
-  bins.f2 = linear_bin(v.dot(n2));
-  bins.f3 = linear_bin(f3);
-  return bins;
+float dot(const Vector& a, const Vector& b) {
+  return a.x * b.x + (a.y * b.y + a.z * b.z);
 }
+Vector cross(const Vector& a, const Vector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+Vector choose(bool first, const Vector& a, const Vector& b) {
+  return {first ? a.x : b.x, first ? a.y : b.y, first ? a.z : b.z};
+}
+
+/// The three angles between a point and others, with normals, as bins. The same seen from either point: the
+/// frame stands on the one whose normal is nearer to the line between them. Many at once and without a
+/// branch, so that the compiler takes several in a step.
+class PairBins {
+ public:
+  std::vector<std::uint32_t> others;
+  std::vector<int> f1, f2, f3;
+
+  void compute(const PointCloud& cloud, std::uint32_t point, const AngleBorders& borders) {
+    const std::size_t n = others.size();
+    for (std::vector<float>* v : {&dx_, &dy_, &dz_, &nx_, &ny_, &nz_}) v->resize(n);
+    for (std::vector<int>* v : {&f1, &f2, &f3}) v->resize(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::uint32_t b = others[k];
+      dx_[k] = cloud.x[b] - cloud.x[point];
+      dy_[k] = cloud.y[b] - cloud.y[point];
+      dz_[k] = cloud.z[b] - cloud.z[point];
+      nx_[k] = cloud.nx[b];
+      ny_[k] = cloud.ny[b];
+      nz_[k] = cloud.nz[b];
+    }
+    const Vector here{cloud.nx[point], cloud.ny[point], cloud.nz[point]};
+    int *first = f1.data(), *second = f2.data(), *third = f3.data();
+    for (std::size_t k = 0; k < n; ++k) {
+      const Vector d{dx_[k], dy_[k], dz_[k]}, there{nx_[k], ny_[k], nz_[k]};
+      const float length = std::sqrt(dot(d, d));
+      const float angle1 = dot(here, d) / length, angle2 = dot(there, d) / length;
+      const bool swapped = std::abs(angle1) < std::abs(angle2);
+      const Vector n1 = choose(swapped, there, here), n2 = choose(swapped, here, there);
+      const Vector line = choose(swapped, {-d.x, -d.y, -d.z}, d);
+      Vector v = cross(line, n1);
+      const float v_length = std::sqrt(dot(v, v));
+      v = {v.x / v_length, v.y / v_length, v.z / v_length};
+      // Pairs without a frame get what three zeros give.
+      const bool framed = v_length > 0;
+      first[k] = borders.bin(framed ? dot(cross(n1, v), n2) : 0.0f, framed ? dot(n1, n2) : 1.0f);
+      second[k] = linear_bin(framed ? dot(v, n2) : 0.0f);
+      third[k] = linear_bin(framed ? (swapped ? -angle2 : angle1) : 0.0f);
+    }
+  }
+
+ private:
+  std::vector<float> dx_, dy_, dz_, nx_, ny_, nz_;
+};
 
 /// The simplified histograms of all points that some keypoint has in its neighbourhood.
 class SimpleHistograms {
@@ -76,17 +105,21 @@ class SimpleHistograms {
       : needed_(cloud.size(), 0),
         rows_(Descriptors::Zero(static_cast<Eigen::Index>(cloud.size()), kFpfhSize)) {
     for (std::uint32_t keypoint : keypoints) {
-      for (std::uint32_t e = neighbours.begin[keypoint]; e < neighbours.begin[keypoint + 1]; ++e)
+      for (std::uint32_t e = neighbours.begin[keypoint]; e < neighbours.end[keypoint]; ++e)
         needed_[neighbours.index[e]] = 1;
     }
     const AngleBorders borders;
+    PairBins pairs;
     for (std::uint32_t a = 0; a < cloud.size(); ++a) {
-      for (std::uint32_t e = neighbours.begin[a]; e < neighbours.begin[a + 1]; ++e) {
+      pairs.others.clear();
+      for (std::uint32_t e = neighbours.begin[a]; e < neighbours.end[a]; ++e) {
         const std::uint32_t b = neighbours.index[e];
-        if (b <= a || !(needed_[a] || needed_[b])) continue;
-        const PairBins bins = pair_bins(cloud, a, b, borders);
-        count(a, bins);
-        count(b, bins);
+        if (b > a && (needed_[a] || needed_[b])) pairs.others.push_back(b);
+      }
+      pairs.compute(cloud, a, borders);
+      for (std::size_t k = 0; k < pairs.others.size(); ++k) {
+        count(a, pairs, k);
+        count(pairs.others[k], pairs, k);
       }
     }
     for (std::uint32_t a = 0; a < cloud.size(); ++a) {
@@ -98,11 +131,11 @@ class SimpleHistograms {
   const float* row(std::size_t i) const { return rows_.data() + i * kFpfhSize; }
 
  private:
-  void count(std::uint32_t i, const PairBins& bins) {
+  void count(std::uint32_t i, const PairBins& pairs, std::size_t k) {
     float* row = rows_.data() + std::size_t{i} * kFpfhSize;
-    row[bins.f1] += 1;
-    row[kBins + bins.f2] += 1;
-    row[2 * kBins + bins.f3] += 1;
+    row[pairs.f1[k]] += 1;
+    row[kBins + pairs.f2[k]] += 1;
+    row[2 * kBins + pairs.f3[k]] += 1;
   }
 
   std::vector<std::uint8_t> needed_;
@@ -119,7 +152,7 @@ Descriptors fpfh(const PointCloud& cloud, const NeighbourLists& neighbours,
   Descriptors result = Descriptors::Zero(static_cast<Eigen::Index>(keypoints.size()), kFpfhSize);
   for (std::size_t k = 0; k < keypoints.size(); ++k) {
     float* row = result.data() + k * kFpfhSize;
-    for (std::uint32_t e = neighbours.begin[keypoints[k]]; e < neighbours.begin[keypoints[k] + 1]; ++e) {
+    for (std::uint32_t e = neighbours.begin[keypoints[k]]; e < neighbours.end[keypoints[k]]; ++e) {
       if (!(neighbours.squared_distance[e] > 0)) continue;
       const float weight = 1.0f / neighbours.squared_distance[e];
       const float* other = simple.row(neighbours.index[e]);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "global/hypothesis.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -33,6 +34,13 @@ double separation(const Pose& a, const Pose& b, const Eigen::Vector3d& centre, d
   const double distance = (a * centre - b * centre).norm();
   const double angle = so3_log(a.linear().transpose() * b.linear()).norm();
   return std::max(distance / (kRivalEpsilons * epsilon), angle / kRivalAngle);
+}
+
+Pose levelled(const Pose& pose, const Eigen::Vector3d& up, const Eigen::Vector3d& centre) {
+  Pose result = pose;
+  result.linear() = Eigen::Quaterniond::FromTwoVectors(pose.linear().col(2), up) * pose.linear();
+  result.translation() = pose * centre - result.linear() * centre;
+  return result;
 }
 
 Pose level_fit(const PairSums& sums) {

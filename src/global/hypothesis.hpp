@@ -31,6 +31,9 @@ inline constexpr double kRivalEpsilons = 4, kRivalAngle = 0.1;  // radians; what
 /// source, and `epsilon`: metres.
 double separation(const Pose& a, const Pose& b, const Eigen::Vector3d& centre, double epsilon);
 
+/// The pose turned the least that makes the source's z axis `up` (unit), about `centre` of the source.
+Pose levelled(const Pose& pose, const Eigen::Vector3d& up, const Eigen::Vector3d& centre);
+
 /// Least squares over pairs, of rotations about the vertical and translations.
 Pose level_fit(const PairSums& sums);
 

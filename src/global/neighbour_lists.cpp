@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kMostEntries = std::size_t{1} << 31;
 constexpr double kMostCells = 1048575.0;  // a side
+constexpr std::size_t kUsualNeighbours = 64;
 
 /// Points sorted into cubes with the radius as their side, x fastest: the neighbours of all points of a cube
 /// are in nine runs of this order.
@@ -70,9 +71,12 @@ class CubeOrder {
 struct Candidates {
   std::vector<std::uint32_t> index;
   std::vector<float> x, y, z, squared;
+  std::vector<std::uint32_t> near;
+  std::vector<float> near_squared;
 
   void load(const PointCloud& cloud) {
-    for (std::vector<float>* v : {&x, &y, &z, &squared}) v->resize(index.size());
+    for (std::vector<float>* v : {&x, &y, &z, &squared, &near_squared}) v->resize(index.size());
+    near.resize(index.size());
     for (std::size_t k = 0; k < index.size(); ++k) {
       x[k] = cloud.x[index[k]];
       y[k] = cloud.y[index[k]];
@@ -86,6 +90,20 @@ struct Candidates {
       squared[k] = dx * dx + dy * dy + dz * dz;
     }
   }
+  void append_within(float squared_radius, NeighbourLists* lists) {
+    // All are written, and those too far away written over: which they are cannot be foretold, so a branch
+    // would cost more.
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < index.size(); ++k) {
+      near[count] = index[k];
+      near_squared[count] = squared[k];
+      count += squared[k] <= squared_radius ? 1 : 0;
+    }
+    const auto end = static_cast<std::ptrdiff_t>(count);
+    lists->index.insert(lists->index.end(), near.begin(), near.begin() + end);
+    lists->squared_distance.insert(lists->squared_distance.end(), near_squared.begin(),
+                                   near_squared.begin() + end);
+  }
 };
 
 }  // namespace
@@ -95,10 +113,11 @@ NeighbourLists radius_neighbours(const PointCloud& cloud, float radius) {
   const CubeOrder cubes(cloud, radius * 1.0001f);  // rounding must not carry a neighbour two cubes away
   const auto& order = cubes.order();
   const float squared_radius = radius * radius;
-  // Found cube by cube, wanted point by point.
-  std::vector<std::uint32_t> count(cloud.size(), 0), found;
-  std::vector<float> found_squared;
-  std::vector<std::size_t> start(cloud.size(), 0);
+  NeighbourLists lists;
+  lists.begin.resize(cloud.size(), 0);
+  lists.end.resize(cloud.size(), 0);
+  lists.index.reserve(kUsualNeighbours * cloud.size());
+  lists.squared_distance.reserve(kUsualNeighbours * cloud.size());
   Candidates candidates;
   for (std::size_t first = 0; first < order.size();) {
     std::size_t last = first;
@@ -107,30 +126,14 @@ NeighbourLists radius_neighbours(const PointCloud& cloud, float radius) {
     candidates.load(cloud);
     for (; first < last; ++first) {
       const std::uint32_t i = order[first].index;
+      lists.begin[i] = static_cast<std::uint32_t>(lists.index.size());
       candidates.measure(cloud.point(i));
-      start[i] = found.size();
-      for (std::size_t k = 0; k < candidates.index.size(); ++k) {
-        if (candidates.squared[k] > squared_radius) continue;
-        found.push_back(candidates.index[k]);
-        found_squared.push_back(candidates.squared[k]);
-      }
-      count[i] = static_cast<std::uint32_t>(found.size() - start[i]);
+      candidates.append_within(squared_radius, &lists);
+      lists.end[i] = static_cast<std::uint32_t>(lists.index.size());
     }
-    if (found.size() > kMostEntries)
+    if (lists.index.size() > kMostEntries)
       throw std::length_error(
           "radius_neighbours: too many neighbours; thin the cloud or take a smaller radius");
-  }
-  NeighbourLists lists;
-  lists.begin.resize(cloud.size() + 1, 0);
-  lists.index.reserve(found.size());
-  lists.squared_distance.reserve(found.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const auto from = static_cast<std::ptrdiff_t>(start[i]),
-               to = from + static_cast<std::ptrdiff_t>(count[i]);
-    lists.index.insert(lists.index.end(), found.begin() + from, found.begin() + to);
-    lists.squared_distance.insert(lists.squared_distance.end(), found_squared.begin() + from,
-                                  found_squared.begin() + to);
-    lists.begin[i + 1] = static_cast<std::uint32_t>(lists.index.size());
   }
   return lists;
 }

@@ -195,32 +195,28 @@ class CloudAligner {
     return pose;
   }
 
-  /// Of distances to planes, over all points: the energy that tells how good a pose is.
-  CloudProblem plane_problem() const {
-    CloudProblem::Setup setup = setup_;
-    setup.objective = IcpObjective::kPlane;
-    return CloudProblem(source_.points, target_, setup);
-  }
+  /// Distances to planes, over all points, tell how good a pose is.
   StateVector begin_planes(const Pose& pose, CloudProblem* problem) const {
     const double nu = target_.point_nu_min();
     return problem->begin(pose, nu, 3.0 * nu + kGateMargin * target_.spacing());
   }
-  double off_planes(const Pose& pose) const {
-    CloudProblem problem = plane_problem();
-    return problem.evaluate(begin_planes(pose, &problem));
-  }
 
-  /// From a pose down to where it rests on the planes.
-  Pose rest_on_planes(const Pose& pose) {
-    CloudProblem problem = plane_problem();
+  /// From the start or where the problem arrived, whichever is nearer to the planes, down to where it rests
+  /// on them.
+  Pose rest_on_planes(const Pose& start, CloudProblem* problem) {
+    const Pose arrived = problem->pose();
+    problem->use_objective(IcpObjective::kPlane);
+    const double off = problem->evaluate(begin_planes(arrived, problem));
+    const bool start_is_better = problem->evaluate(begin_planes(start, problem)) < off;
     DescentOptions descent;
     descent.anderson_window = AndersonAcceleration::kMaxWindow;
     descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 100;
     descent.max_line_search_steps = kLineSearchSteps;
     descent.tolerance = std::min(tolerance_, kPlaneEffort.last_tolerance * target_.point_nu_min());
-    account(descend(problem, begin_planes(pose, &problem), descent));
-    finish(problem);
-    return problem.pose();
+    account(descend(*problem, begin_planes(start_is_better ? start : arrived, problem), descent));
+    finish(*problem);
+    if (start_is_better && result_.stop_reason != "degenerate") result_.stop_reason = "start";
+    return problem->pose();
   }
 
   Pose solve_robust(const Pose& start) {
@@ -232,7 +228,10 @@ class CloudAligner {
     descent.anderson_window = method_.accelerated ? AndersonAcceleration::kMaxWindow : 0;
     descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 100;
     descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : kLineSearchSteps;
-    const double last_tolerance = std::min(tolerance_, effort_.last_tolerance * result_.nu_min);
+    // What comes to rest on planes afterwards need not arrive by distances to points.
+    const double last_tolerance = keeps_better_start_
+                                      ? effort_.upper_tolerance * result_.nu_min
+                                      : std::min(tolerance_, effort_.last_tolerance * result_.nu_min);
     const double levels = 1.0 + std::max(0.0, std::ceil(std::log2(first_nu / result_.nu_min)));
     double level = 0;
     for (double nu = first_nu; nu > result_.nu_min; nu *= kNuFactor, ++level) {
@@ -247,13 +246,7 @@ class CloudAligner {
     descent.tolerance = last_tolerance;
     report_progress(&descent, level / levels, 1.0);
     account(descend(problem, problem.begin(pose, result_.nu_min, gate(result_.nu_min, first_nu)), descent));
-    if (keeps_better_start_) {
-      count_searches(problem);
-      const bool is_better = off_planes(start) < off_planes(problem.pose());
-      const Pose rest = rest_on_planes(is_better ? start : problem.pose());
-      if (is_better && result_.stop_reason != "degenerate") result_.stop_reason = "start";
-      return rest;
-    }
+    if (keeps_better_start_) return rest_on_planes(start, &problem);
     finish(problem);
     return problem.pose();
   }

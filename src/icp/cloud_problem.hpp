@@ -38,6 +38,10 @@ class CloudProblem final : public DescentProblem {
   /// logarithm at pi.
   StateVector begin(const Pose& start, double nu, double gate);
 
+  /// From here on another objective, with the source's normals where it is the symmetric one; nearest points
+  /// stay known. Takes a begin().
+  void use_objective(IcpObjective objective) { setup_.objective = objective; }
+
   double evaluate(const StateVector& x) override;
   StateVector image() override;
   double distance(const StateVector& a, const StateVector& b) const override;

@@ -48,7 +48,7 @@ double sensible_voxel(const PointCloud& cloud) {
   if (!(voxel > 0)) return 0;
   const double least = std::clamp(kShare * static_cast<double>(cloud.size()), kLeast, kMostOfLeast);
   for (int round = 0; round < kRounds; ++round) {
-    const double left = static_cast<double>(thin_by_voxel(cloud, static_cast<float>(voxel)).size());
+    const double left = static_cast<double>(count_voxels(cloud, static_cast<float>(voxel)));
     if (left >= least && left <= kMost) break;
     // As the voxel shrinks, the points of far apart rows grow in proportion, those of dense surfaces faster.
     if (left < least) {

@@ -70,7 +70,7 @@ TEST_CASE("radius neighbours are those of a search through all points") {
       if ((cloud.point(i) - cloud.point(j)).squaredNorm() <= radius * radius) expected.push_back(j);
     }
     const std::vector<std::uint32_t> found(lists.index.begin() + lists.begin[i],
-                                           lists.index.begin() + lists.begin[i + 1]);
+                                           lists.index.begin() + lists.end[i]);
     CHECK(found == expected);
   }
   CHECK(lists.count(7) == 0);

@@ -1,0 +1,27 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "geometry/rigid.hpp"
+
+namespace scanlock {
+
+/// A candidate correspondence between surfaces: source point p and target point q, metres, and the unit
+/// normals there, either way round.
+struct SurfaceMatch {
+  Eigen::Vector3d p, q, normal_p, normal_q;
+};
+
+/// The pose near `pose` at which the surfaces of the matches meet, reached by turns about the target's axis
+/// pose.linear().col(2), near `centre` of the source (metres), and shifts. Along a wall all descriptors are
+/// alike, and matches crowd about any pose that slides along it; how far the wall is they know well. So what
+/// is off within the surfaces weighs less than what is off along their normals, by the spread of each.
+/// Matches farther off than two `epsilon` (metres) along the normal, or four within the surface, do not
+/// count; nor does anything when fewer than eight are near.
+Pose fit_surfaces(const std::vector<SurfaceMatch>& matches, Pose pose, const Eigen::Vector3d& centre,
+                  double epsilon);
+
+}  // namespace scanlock
