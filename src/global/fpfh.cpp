@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "geometry/angles.hpp"
+#include "global/neighbour_lists.hpp"
 
 namespace scanlock {
 namespace {
@@ -71,58 +72,72 @@ PairBins pair_bins(const PointCloud& cloud, std::size_t a, std::size_t b, const 
 /// The simplified histograms of all points that some keypoint has in its neighbourhood.
 class SimpleHistograms {
  public:
-  SimpleHistograms(const PointCloud& cloud, const NeighbourLists& neighbours,
+  SimpleHistograms(const PointCloud& cloud, NeighbourFinder& finder,
                    const std::vector<std::uint32_t>& keypoints)
-      : needed_(cloud.size(), 0),
-        rows_(Descriptors::Zero(static_cast<Eigen::Index>(cloud.size()), kFpfhSize)) {
-    for (std::uint32_t keypoint : keypoints) {
-      for (std::uint32_t e = neighbours.begin[keypoint]; e < neighbours.begin[keypoint + 1]; ++e)
-        needed_[neighbours.index[e]] = 1;
-    }
+      : row_(cloud.size(), kNone) {
+    number_rows(finder, keypoints);
     const AngleBorders borders;
-    for (std::uint32_t a = 0; a < cloud.size(); ++a) {
-      for (std::uint32_t e = neighbours.begin[a]; e < neighbours.begin[a + 1]; ++e) {
-        const std::uint32_t b = neighbours.index[e];
-        if (b <= a || !(needed_[a] || needed_[b])) continue;
-        const PairBins bins = pair_bins(cloud, a, b, borders);
-        count(a, bins);
-        count(b, bins);
+    std::vector<std::size_t> neighbours(static_cast<std::size_t>(rows_.rows()), 0);
+    for (std::uint32_t a : finder.order()) {
+      if (row_[a] == kNone) continue;
+      const NeighbourFinder::Neighbours& near = finder.about(a);
+      neighbours[row_[a]] = near.count();
+      for (std::uint32_t b : near.index) {
+        const bool needed = row_[b] != kNone;
+        if (b == a || (needed && b < a)) continue;  // pairs count for both, once
+        const PairBins bins = pair_bins(cloud, std::min(a, b), std::max(a, b), borders);
+        count(row_[a], bins);
+        if (needed) count(row_[b], bins);
       }
     }
-    for (std::uint32_t a = 0; a < cloud.size(); ++a) {
-      if (needed_[a] && neighbours.count(a) > 1)
-        rows_.row(a) *= 100.0f / static_cast<float>(neighbours.count(a) - 1);
+    for (std::size_t k = 0; k < neighbours.size(); ++k) {
+      if (neighbours[k] > 1)
+        rows_.row(static_cast<Eigen::Index>(k)) *= 100.0f / static_cast<float>(neighbours[k] - 1);
     }
   }
 
-  const float* row(std::size_t i) const { return rows_.data() + i * kFpfhSize; }
+  /// Of a point near a keypoint.
+  const float* of(std::uint32_t i) const { return rows_.data() + std::size_t{row_[i]} * kFpfhSize; }
 
  private:
-  void count(std::uint32_t i, const PairBins& bins) {
-    float* row = rows_.data() + std::size_t{i} * kFpfhSize;
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  void number_rows(NeighbourFinder& finder, const std::vector<std::uint32_t>& keypoints) {
+    std::uint32_t rows = 0;
+    for (std::uint32_t keypoint : keypoints) {
+      for (std::uint32_t i : finder.about(keypoint).index) {
+        if (row_[i] == kNone) row_[i] = rows++;
+      }
+    }
+    rows_ = Descriptors::Zero(static_cast<Eigen::Index>(rows), kFpfhSize);
+  }
+
+  void count(std::uint32_t number, const PairBins& bins) {
+    float* row = rows_.data() + std::size_t{number} * kFpfhSize;
     row[bins.f1] += 1;
     row[kBins + bins.f2] += 1;
     row[2 * kBins + bins.f3] += 1;
   }
 
-  std::vector<std::uint8_t> needed_;
+  std::vector<std::uint32_t> row_;  // of each point
   Descriptors rows_;
 };
 
 }  // namespace
 
-Descriptors fpfh(const PointCloud& cloud, const NeighbourLists& neighbours,
-                 const std::vector<std::uint32_t>& keypoints) {
+Descriptors fpfh(const PointCloud& cloud, float radius, const std::vector<std::uint32_t>& keypoints) {
   if (!keypoints.empty() && !cloud.has_normals())
     throw std::invalid_argument("fpfh: the cloud has no normals");
-  const SimpleHistograms simple(cloud, neighbours, keypoints);
+  NeighbourFinder finder(cloud, radius);
+  const SimpleHistograms simple(cloud, finder, keypoints);
   Descriptors result = Descriptors::Zero(static_cast<Eigen::Index>(keypoints.size()), kFpfhSize);
   for (std::size_t k = 0; k < keypoints.size(); ++k) {
     float* row = result.data() + k * kFpfhSize;
-    for (std::uint32_t e = neighbours.begin[keypoints[k]]; e < neighbours.begin[keypoints[k] + 1]; ++e) {
-      if (!(neighbours.squared_distance[e] > 0)) continue;
-      const float weight = 1.0f / neighbours.squared_distance[e];
-      const float* other = simple.row(neighbours.index[e]);
+    const NeighbourFinder::Neighbours& near = finder.about(keypoints[k]);
+    for (std::size_t e = 0; e < near.count(); ++e) {
+      if (!(near.squared_distance[e] > 0)) continue;
+      const float weight = 1.0f / near.squared_distance[e];
+      const float* other = simple.of(near.index[e]);
       for (int b = 0; b < kFpfhSize; ++b) row[b] += weight * other[b];
     }
     for (int part = 0; part < 3; ++part) {

@@ -86,7 +86,7 @@ TEST_CASE("normals of a wall and the ground look at the sensor") {
     }
   }
   cloud.push_back(100, 100, 100);
-  add_normals(&cloud, radius_neighbours(cloud, 0.7f), 0.7f);
+  add_normals(&cloud, 0.7f);
   for (std::size_t i = 0; i + 1 < cloud.size(); ++i) {
     const Eigen::Vector3f expected = i % 2 == 0 ? Eigen::Vector3f(-1, 0, 0) : Eigen::Vector3f(0, 0, 1);
     CHECK((cloud.normal(i) - expected).norm() < 1e-4f);
@@ -97,11 +97,10 @@ TEST_CASE("normals of a wall and the ground look at the sensor") {
 TEST_CASE("FPFH follows its definition") {
   PointCloud cloud = small_scene();
   const float radius = 4;
-  const NeighbourLists neighbours = radius_neighbours(cloud, radius);
-  add_normals(&cloud, neighbours, 3);
+  add_normals(&cloud, 3);
   std::vector<std::uint32_t> keypoints;
   for (std::uint32_t i = 5; i < cloud.size(); i += 97) keypoints.push_back(i);
-  const Descriptors found = fpfh(cloud, neighbours, keypoints);
+  const Descriptors found = fpfh(cloud, radius, keypoints);
   double far_off = 0;
   for (std::size_t k = 0; k < keypoints.size(); ++k) {
     std::vector<double> expected(33, 0.0);
