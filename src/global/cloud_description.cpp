@@ -38,7 +38,7 @@ std::vector<std::uint32_t> spread(const std::vector<std::uint32_t>& from, std::s
 std::vector<std::uint32_t> spread_keypoints(const PointCloud& cloud, float radius, std::size_t count) {
   NeighbourFinder finder(cloud, radius);
   std::vector<std::uint8_t> enough(cloud.size(), 0);
-  for (std::uint32_t i : finder.order()) enough[i] = finder.about(i).count() > kFewestNeighbours;
+  for (std::uint32_t i : finder.order()) enough[i] = finder.has_more_than(kFewestNeighbours, i);
   std::vector<std::uint32_t> steep, level;
   for (std::uint32_t i = 0; i < cloud.size(); ++i) {
     if (!enough[i] || cloud.normal(i).squaredNorm() < 0.5f) continue;

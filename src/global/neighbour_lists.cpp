@@ -46,6 +46,11 @@ std::uint64_t NeighbourFinder::key(const Eigen::Vector3f& p) const {
   return part(cell.z()) << 42 | part(cell.y()) << 21 | part(cell.x());
 }
 
+void NeighbourFinder::gather_about(const Eigen::Vector3f& p) {
+  const std::uint64_t cube = key(p);
+  if (cube != gathered_) gather(cube);
+}
+
 /// The points in the 27 cubes about one.
 void NeighbourFinder::gather(std::uint64_t centre) {
   std::vector<std::uint32_t>& index = candidates_.index;
@@ -83,8 +88,7 @@ const NeighbourFinder::Neighbours& NeighbourFinder::about(std::size_t i) {
   const Eigen::Vector3f p = cloud_.point(i);
   std::size_t found = 0;
   if (p.allFinite()) {
-    const std::uint64_t cube = key(p);
-    if (cube != gathered_) gather(cube);
+    gather_about(p);
     measure(p);
     // Each is written, and the next one over those that are too far: half of them are, in no order.
     neighbours_.index.resize(candidates_.index.size());
@@ -98,6 +102,19 @@ const NeighbourFinder::Neighbours& NeighbourFinder::about(std::size_t i) {
   neighbours_.index.resize(found);
   neighbours_.squared_distance.resize(found);
   return neighbours_;
+}
+
+bool NeighbourFinder::has_more_than(std::size_t count, std::size_t i) {
+  const Eigen::Vector3f p = cloud_.point(i);
+  if (!p.allFinite()) return false;
+  gather_about(p);
+  const Candidates& c = candidates_;
+  std::size_t found = 0;
+  for (std::size_t k = 0; k < c.index.size() && found <= count; ++k) {
+    const float dx = c.x[k] - p.x(), dy = c.y[k] - p.y(), dz = c.z[k] - p.z();
+    found += dx * dx + dy * dy + dz * dz <= squared_radius_ ? 1 : 0;
+  }
+  return found > count;
 }
 
 NeighbourLists radius_neighbours(const PointCloud& cloud, float radius) {

@@ -74,6 +74,11 @@ TEST_CASE("radius neighbours are those of a search through all points") {
     CHECK(found == expected);
   }
   CHECK(lists.count(7) == 0);
+  NeighbourFinder finder(cloud, radius);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    CHECK(finder.has_more_than(20, i) == (lists.count(i) > 20));
+    CHECK(finder.about(i).count() == lists.count(i));
+  }
   CHECK_THROWS_AS(radius_neighbours(cloud, 0), std::invalid_argument);
 }
 
