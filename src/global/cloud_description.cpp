@@ -13,6 +13,7 @@
 #include "global/descriptor_matching.hpp"
 #include "global/ground_height.hpp"
 #include "global/iss_keypoints.hpp"
+#include "global/neighbour_lists.hpp"
 
 namespace scanlock {
 namespace {
@@ -33,11 +34,14 @@ std::vector<std::uint32_t> spread(const std::vector<std::uint32_t>& from, std::s
   return result;
 }
 
-std::vector<std::uint32_t> spread_keypoints(const PointCloud& cloud, const NeighbourLists& neighbours,
-                                            std::size_t count) {
+/// `radius`: metres, of what describes a point.
+std::vector<std::uint32_t> spread_keypoints(const PointCloud& cloud, float radius, std::size_t count) {
+  NeighbourFinder finder(cloud, radius);
+  std::vector<std::uint8_t> enough(cloud.size(), 0);
+  for (std::uint32_t i : finder.order()) enough[i] = finder.has_more_than(kFewestNeighbours, i);
   std::vector<std::uint32_t> steep, level;
   for (std::uint32_t i = 0; i < cloud.size(); ++i) {
-    if (neighbours.count(i) <= kFewestNeighbours || cloud.normal(i).squaredNorm() < 0.5f) continue;
+    if (!enough[i] || cloud.normal(i).squaredNorm() < 0.5f) continue;
     (std::abs(cloud.nz[i]) < kLevel ? steep : level).push_back(i);
   }
   std::vector<std::uint32_t> keypoints = spread(steep, count);
@@ -120,9 +124,7 @@ CloudDescription describe(const PointCloud& cloud, const DescriptionOptions& opt
   if (!(result.voxel > 0)) return result;
   result.points = select(cloud, thin_by_voxel(cloud, static_cast<float>(result.voxel)));
   const float voxel = static_cast<float>(result.voxel);
-  const float widest = static_cast<float>(std::max(options.normal_radius, options.feature_radius));
-  NeighbourLists neighbours = radius_neighbours(result.points, widest * voxel);
-  add_normals(&result.points, neighbours, static_cast<float>(options.normal_radius) * voxel);
+  add_normals(&result.points, static_cast<float>(options.normal_radius) * voxel);
   result.points_ms = clock.lap();
   if (options.choice == KeypointChoice::kIss) {
     IssOptions iss;
@@ -131,12 +133,12 @@ CloudDescription describe(const PointCloud& cloud, const DescriptionOptions& opt
     const NeighbourLists near = radius_neighbours(result.points, iss.salient_radius);
     result.keypoints = iss_keypoints(result.points, near, iss);
   } else {
-    result.keypoints = spread_keypoints(result.points, neighbours, options.keypoints);
+    const float widest = static_cast<float>(std::max(options.normal_radius, options.feature_radius));
+    result.keypoints = spread_keypoints(result.points, widest * voxel, options.keypoints);
   }
   result.keypoints_ms = clock.lap();
-  if (options.normal_radius > options.feature_radius)
-    neighbours = radius_neighbours(result.points, static_cast<float>(options.feature_radius) * voxel);
-  result.descriptors = fpfh(result.points, neighbours, result.keypoints);
+  result.descriptors =
+      fpfh(result.points, static_cast<float>(options.feature_radius) * voxel, result.keypoints);
   if (options.levelled) result.descriptors = with_level_columns(result, result.descriptors);
   result.features_ms = clock.lap();
   return result;

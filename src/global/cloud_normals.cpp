@@ -3,26 +3,26 @@
 #include "global/cloud_normals.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <vector>
+
+#include "global/neighbour_lists.hpp"
 
 namespace scanlock {
 namespace {
 
-constexpr int kFewest = 5;
+constexpr std::size_t kFewest = 5;
 
-Eigen::Vector3f normal_at(const PointCloud& cloud, const NeighbourLists& neighbours, std::size_t i,
-                          float squared_radius) {
+Eigen::Vector3f normal_at(const PointCloud& cloud, const NeighbourFinder::Neighbours& near, std::size_t i) {
+  if (near.count() < kFewest) return Eigen::Vector3f::Zero();
   const Eigen::Vector3f centre = cloud.point(i);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
-  int count = 0;
-  for (std::uint32_t e = neighbours.begin[i]; e < neighbours.end[i]; ++e) {
-    if (neighbours.squared_distance[e] > squared_radius) continue;
-    const Eigen::Vector3d d = (cloud.point(neighbours.index[e]) - centre).cast<double>();
+  for (std::uint32_t index : near.index) {
+    const Eigen::Vector3d d = (cloud.point(index) - centre).cast<double>();
     sum += d;
     moment += d * d.transpose();
-    ++count;
   }
-  if (count < kFewest) return Eigen::Vector3f::Zero();
+  const auto count = static_cast<double>(near.count());
   const Eigen::Vector3d mean = sum / count;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(moment / count - mean * mean.transpose());
@@ -33,13 +33,19 @@ Eigen::Vector3f normal_at(const PointCloud& cloud, const NeighbourLists& neighbo
 
 }  // namespace
 
-void add_normals(PointCloud* cloud, const NeighbourLists& neighbours, float radius) {
-  const bool own = cloud->has_normals();
+void add_normals(PointCloud* cloud, float radius) {
+  std::vector<Eigen::Vector3f> normals(cloud->size(), Eigen::Vector3f::Zero());
+  if (cloud->has_normals()) {
+    for (std::size_t i = 0; i < cloud->size(); ++i) normals[i] = cloud->normal(i);
+  } else {
+    NeighbourFinder finder(*cloud, radius);
+    for (std::uint32_t i : finder.order()) normals[i] = normal_at(*cloud, finder.about(i), i);
+  }
   for (std::vector<float>* v : {&cloud->nx, &cloud->ny, &cloud->nz}) v->resize(cloud->size(), 0.0f);
   for (std::size_t i = 0; i < cloud->size(); ++i) {
-    Eigen::Vector3f normal = own ? cloud->normal(i) : normal_at(*cloud, neighbours, i, radius * radius);
-    const float length = normal.norm();
-    normal = length > 1e-6f && length < 1e6f ? Eigen::Vector3f(normal / length) : Eigen::Vector3f::Zero();
+    const float length = normals[i].norm();
+    const Eigen::Vector3f normal =
+        length > 1e-6f && length < 1e6f ? Eigen::Vector3f(normals[i] / length) : Eigen::Vector3f::Zero();
     cloud->nx[i] = normal.x();
     cloud->ny[i] = normal.y();
     cloud->nz[i] = normal.z();

@@ -3,13 +3,12 @@
 #pragma once
 
 #include "geometry/point_cloud.hpp"
-#include "global/neighbour_lists.hpp"
 
 namespace scanlock {
 
-/// The unit normal of each point from the neighbours nearer than `radius` metres (at most that of the lists),
-/// looking towards the origin, where the sensor is; zero where there are fewer than five or they span no
-/// plane. Normals that the cloud brings are made unit and kept.
-void add_normals(PointCloud* cloud, const NeighbourLists& neighbours, float radius);
+/// The unit normal of each point from the neighbours within `radius` metres, looking towards the origin,
+/// where the sensor is; zero where there are fewer than five or they span no plane. Normals that the cloud
+/// brings are made unit and kept.
+void add_normals(PointCloud* cloud, float radius);
 
 }  // namespace scanlock

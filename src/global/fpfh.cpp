@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "geometry/angles.hpp"
+#include "global/neighbour_lists.hpp"
 
 namespace scanlock {
 namespace {
@@ -53,8 +54,8 @@ Vector choose(bool first, const Vector& a, const Vector& b) {
 }
 
 /// The three angles between a point and others, with normals, as bins. The same seen from either point: the
-/// frame stands on the one whose normal is nearer to the line between them. Many at once and without a
-/// branch, so that the compiler takes several in a step.
+/// frame stands on the one whose normal is nearer to the line between them, or has the lower index. Many at
+/// once and without a branch, so that the compiler takes several in a step.
 class PairBins {
  public:
   std::vector<std::uint32_t> others;
@@ -62,21 +63,23 @@ class PairBins {
 
   void compute(const PointCloud& cloud, std::uint32_t point, const AngleBorders& borders) {
     const std::size_t n = others.size();
-    for (std::vector<float>* v : {&dx_, &dy_, &dz_, &nx_, &ny_, &nz_}) v->resize(n);
+    for (std::vector<float>* v : {&sign_, &dx_, &dy_, &dz_, &nx_, &ny_, &nz_}) v->resize(n);
     for (std::vector<int>* v : {&f1, &f2, &f3}) v->resize(n);
     for (std::size_t k = 0; k < n; ++k) {
       const std::uint32_t b = others[k];
-      dx_[k] = cloud.x[b] - cloud.x[point];
-      dy_[k] = cloud.y[b] - cloud.y[point];
-      dz_[k] = cloud.z[b] - cloud.z[point];
+      sign_[k] = point < b ? 1.0f : -1.0f;
+      dx_[k] = sign_[k] * (cloud.x[b] - cloud.x[point]);
+      dy_[k] = sign_[k] * (cloud.y[b] - cloud.y[point]);
+      dz_[k] = sign_[k] * (cloud.z[b] - cloud.z[point]);
       nx_[k] = cloud.nx[b];
       ny_[k] = cloud.ny[b];
       nz_[k] = cloud.nz[b];
     }
-    const Vector here{cloud.nx[point], cloud.ny[point], cloud.nz[point]};
+    const Vector own{cloud.nx[point], cloud.ny[point], cloud.nz[point]};
     int *first = f1.data(), *second = f2.data(), *third = f3.data();
     for (std::size_t k = 0; k < n; ++k) {
-      const Vector d{dx_[k], dy_[k], dz_[k]}, there{nx_[k], ny_[k], nz_[k]};
+      const Vector d{dx_[k], dy_[k], dz_[k]}, other{nx_[k], ny_[k], nz_[k]};
+      const Vector here = choose(sign_[k] > 0, own, other), there = choose(sign_[k] > 0, other, own);
       const float length = std::sqrt(dot(d, d));
       const float angle1 = dot(here, d) / length, angle2 = dot(there, d) / length;
       const bool swapped = std::abs(angle1) < std::abs(angle2);
@@ -94,68 +97,83 @@ class PairBins {
   }
 
  private:
-  std::vector<float> dx_, dy_, dz_, nx_, ny_, nz_;
+  std::vector<float> sign_, dx_, dy_, dz_, nx_, ny_, nz_;
 };
 
 /// The simplified histograms of all points that some keypoint has in its neighbourhood.
 class SimpleHistograms {
  public:
-  SimpleHistograms(const PointCloud& cloud, const NeighbourLists& neighbours,
+  SimpleHistograms(const PointCloud& cloud, NeighbourFinder& finder,
                    const std::vector<std::uint32_t>& keypoints)
-      : needed_(cloud.size(), 0),
-        rows_(Descriptors::Zero(static_cast<Eigen::Index>(cloud.size()), kFpfhSize)) {
-    for (std::uint32_t keypoint : keypoints) {
-      for (std::uint32_t e = neighbours.begin[keypoint]; e < neighbours.end[keypoint]; ++e)
-        needed_[neighbours.index[e]] = 1;
-    }
+      : row_(cloud.size(), kNone) {
+    number_rows(finder, keypoints);
     const AngleBorders borders;
     PairBins pairs;
-    for (std::uint32_t a = 0; a < cloud.size(); ++a) {
+    std::vector<std::size_t> neighbours(static_cast<std::size_t>(rows_.rows()), 0);
+    for (std::uint32_t a : finder.order()) {
+      if (row_[a] == kNone) continue;
+      const NeighbourFinder::Neighbours& near = finder.about(a);
+      neighbours[row_[a]] = near.count();
       pairs.others.clear();
-      for (std::uint32_t e = neighbours.begin[a]; e < neighbours.end[a]; ++e) {
-        const std::uint32_t b = neighbours.index[e];
-        if (b > a && (needed_[a] || needed_[b])) pairs.others.push_back(b);
+      for (std::uint32_t b : near.index) {
+        const bool counted = row_[b] != kNone && b < a;  // pairs count for both, once
+        if (b != a && !counted) pairs.others.push_back(b);
       }
       pairs.compute(cloud, a, borders);
       for (std::size_t k = 0; k < pairs.others.size(); ++k) {
-        count(a, pairs, k);
-        count(pairs.others[k], pairs, k);
+        const std::uint32_t b = pairs.others[k];
+        count(row_[a], pairs, k);
+        if (row_[b] != kNone) count(row_[b], pairs, k);
       }
     }
-    for (std::uint32_t a = 0; a < cloud.size(); ++a) {
-      if (needed_[a] && neighbours.count(a) > 1)
-        rows_.row(a) *= 100.0f / static_cast<float>(neighbours.count(a) - 1);
+    for (std::size_t k = 0; k < neighbours.size(); ++k) {
+      if (neighbours[k] > 1)
+        rows_.row(static_cast<Eigen::Index>(k)) *= 100.0f / static_cast<float>(neighbours[k] - 1);
     }
   }
 
-  const float* row(std::size_t i) const { return rows_.data() + i * kFpfhSize; }
+  /// Of a point near a keypoint.
+  const float* of(std::uint32_t i) const { return rows_.data() + std::size_t{row_[i]} * kFpfhSize; }
 
  private:
-  void count(std::uint32_t i, const PairBins& pairs, std::size_t k) {
-    float* row = rows_.data() + std::size_t{i} * kFpfhSize;
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  void number_rows(NeighbourFinder& finder, const std::vector<std::uint32_t>& keypoints) {
+    std::uint32_t rows = 0;
+    for (std::uint32_t keypoint : keypoints) {
+      for (std::uint32_t i : finder.about(keypoint).index) {
+        if (row_[i] == kNone) row_[i] = rows++;
+      }
+    }
+    rows_ = Descriptors::Zero(static_cast<Eigen::Index>(rows), kFpfhSize);
+  }
+
+  void count(std::uint32_t number, const PairBins& pairs, std::size_t k) {
+    float* row = rows_.data() + std::size_t{number} * kFpfhSize;
     row[pairs.f1[k]] += 1;
     row[kBins + pairs.f2[k]] += 1;
     row[2 * kBins + pairs.f3[k]] += 1;
   }
 
-  std::vector<std::uint8_t> needed_;
+  std::vector<std::uint32_t> row_;  // of each point
   Descriptors rows_;
 };
 
 }  // namespace
 
-Descriptors fpfh(const PointCloud& cloud, const NeighbourLists& neighbours,
-                 const std::vector<std::uint32_t>& keypoints) {
+Descriptors fpfh(const PointCloud& cloud, float radius, const std::vector<std::uint32_t>& keypoints) {
   if (!keypoints.empty() && !cloud.has_normals())
     throw std::invalid_argument("fpfh: the cloud has no normals");
-  const SimpleHistograms simple(cloud, neighbours, keypoints);
+  NeighbourFinder finder(cloud, radius);
+  const SimpleHistograms simple(cloud, finder, keypoints);
   Descriptors result = Descriptors::Zero(static_cast<Eigen::Index>(keypoints.size()), kFpfhSize);
   for (std::size_t k = 0; k < keypoints.size(); ++k) {
     float* row = result.data() + k * kFpfhSize;
-    for (std::uint32_t e = neighbours.begin[keypoints[k]]; e < neighbours.end[keypoints[k]]; ++e) {
-      if (!(neighbours.squared_distance[e] > 0)) continue;
-      const float weight = 1.0f / neighbours.squared_distance[e];
-      const float* other = simple.row(neighbours.index[e]);
+    const NeighbourFinder::Neighbours& near = finder.about(keypoints[k]);
+    for (std::size_t e = 0; e < near.count(); ++e) {
+      if (!(near.squared_distance[e] > 0)) continue;
+      const float weight = 1.0f / near.squared_distance[e];
+      const float* other = simple.of(near.index[e]);
       for (int b = 0; b < kFpfhSize; ++b) row[b] += weight * other[b];
     }
     for (int part = 0; part < 3; ++part) {

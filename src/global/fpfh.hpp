@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "geometry/point_cloud.hpp"
-#include "global/neighbour_lists.hpp"
 
 namespace scanlock {
 
@@ -17,9 +16,9 @@ using Descriptors = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::
 inline constexpr int kFpfhSize = 33;  ///< three histograms of eleven bins
 
 /// Fast point feature histograms (Rusu, Blodow and Beetz 2009) of the points at `keypoints`, kFpfhSize
-/// columns; each of the three histograms adds up to 100. The same definition as the Point Cloud Library's, to
-/// rounding. The cloud must have unit normals; a keypoint without neighbours gets zeros.
-Descriptors fpfh(const PointCloud& cloud, const NeighbourLists& neighbours,
-                 const std::vector<std::uint32_t>& keypoints);
+/// columns, from what is within `radius` metres of each point; each of the three histograms adds up to 100.
+/// The same definition as the Point Cloud Library's, to rounding. The cloud must have unit normals; a
+/// keypoint without neighbours gets zeros.
+Descriptors fpfh(const PointCloud& cloud, float radius, const std::vector<std::uint32_t>& keypoints);
 
 }  // namespace scanlock

@@ -13,7 +13,7 @@ double saliency(const PointCloud& cloud, const NeighbourLists& neighbours, std::
                 const IssOptions& options) {
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   const Eigen::Vector3f centre = cloud.point(i);
-  for (std::uint32_t e = neighbours.begin[i]; e < neighbours.end[i]; ++e) {
+  for (std::uint32_t e = neighbours.begin[i]; e < neighbours.begin[i + 1]; ++e) {
     const Eigen::Vector3d d = (cloud.point(neighbours.index[e]) - centre).cast<double>();
     scatter += d * d.transpose();
   }
@@ -37,7 +37,7 @@ std::vector<std::uint32_t> iss_keypoints(const PointCloud& cloud, const Neighbou
     if (!(salient[i] > 0)) continue;
     int near = 0;
     bool largest = true;
-    for (std::uint32_t e = neighbours.begin[i]; e < neighbours.end[i] && largest; ++e) {
+    for (std::uint32_t e = neighbours.begin[i]; e < neighbours.begin[i + 1] && largest; ++e) {
       if (neighbours.squared_distance[e] > reach) continue;
       ++near;
       largest = salient[neighbours.index[e]] <= salient[i];

@@ -6,134 +6,140 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace scanlock {
 namespace {
 
 constexpr std::size_t kMostEntries = std::size_t{1} << 31;
 constexpr double kMostCells = 1048575.0;  // a side
-constexpr std::size_t kUsualNeighbours = 64;
-
-/// Points sorted into cubes with the radius as their side, x fastest: the neighbours of all points of a cube
-/// are in nine runs of this order.
-class CubeOrder {
- public:
-  CubeOrder(const PointCloud& cloud, float side) {
-    Eigen::Array3d low = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity());
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      if (cloud.point(i).allFinite()) low = low.min(cloud.point(i).cast<double>().array());
-    }
-    order_.reserve(cloud.size());
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      if (!cloud.point(i).allFinite()) continue;
-      const Eigen::Array3d cell =
-          ((cloud.point(i).cast<double>().array() - low) / static_cast<double>(side)).floor().min(kMostCells);
-      order_.push_back({key(static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
-                            static_cast<std::int64_t>(cell.z())),
-                        static_cast<std::uint32_t>(i)});
-    }
-    std::sort(order_.begin(), order_.end());
-  }
-
-  struct Entry {
-    std::uint64_t key;
-    std::uint32_t index;
-    bool operator<(const Entry& other) const {
-      return key != other.key ? key < other.key : index < other.index;
-    }
-  };
-  const std::vector<Entry>& order() const { return order_; }
-
-  /// The indices of all points in the 27 cubes about the one of `key`, ascending.
-  void gather(std::uint64_t centre, std::vector<std::uint32_t>* indices) const {
-    indices->clear();
-    for (int dz = -1; dz <= 1; ++dz) {
-      for (int dy = -1; dy <= 1; ++dy) {
-        const std::uint64_t row =
-            centre + static_cast<std::uint64_t>(static_cast<std::int64_t>(dz) * (std::int64_t{1} << 42) +
-                                                static_cast<std::int64_t>(dy) * (std::int64_t{1} << 21));
-        auto at = std::lower_bound(order_.begin(), order_.end(), Entry{row - 1, 0});
-        for (; at != order_.end() && at->key <= row + 1; ++at) indices->push_back(at->index);
-      }
-    }
-    std::sort(indices->begin(), indices->end());
-  }
-
- private:
-  /// One off in each coordinate, so that the cubes about the first are no wrap.
-  static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z) {
-    return static_cast<std::uint64_t>((z + 1) << 42 | (y + 1) << 21 | (x + 1));
-  }
-  std::vector<Entry> order_;
-};
-
-/// The points about a cube, copied together.
-struct Candidates {
-  std::vector<std::uint32_t> index;
-  std::vector<float> x, y, z, squared;
-  std::vector<std::uint32_t> near;
-  std::vector<float> near_squared;
-
-  void load(const PointCloud& cloud) {
-    for (std::vector<float>* v : {&x, &y, &z, &squared, &near_squared}) v->resize(index.size());
-    near.resize(index.size());
-    for (std::size_t k = 0; k < index.size(); ++k) {
-      x[k] = cloud.x[index[k]];
-      y[k] = cloud.y[index[k]];
-      z[k] = cloud.z[index[k]];
-    }
-  }
-  void measure(const Eigen::Vector3f& p) {
-    const float px = p.x(), py = p.y(), pz = p.z();
-    for (std::size_t k = 0; k < index.size(); ++k) {
-      const float dx = x[k] - px, dy = y[k] - py, dz = z[k] - pz;
-      squared[k] = dx * dx + dy * dy + dz * dz;
-    }
-  }
-  void append_within(float squared_radius, NeighbourLists* lists) {
-    // All are written, and those too far away written over: which they are cannot be foretold, so a branch
-    // would cost more.
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < index.size(); ++k) {
-      near[count] = index[k];
-      near_squared[count] = squared[k];
-      count += squared[k] <= squared_radius ? 1 : 0;
-    }
-    const auto end = static_cast<std::ptrdiff_t>(count);
-    lists->index.insert(lists->index.end(), near.begin(), near.begin() + end);
-    lists->squared_distance.insert(lists->squared_distance.end(), near_squared.begin(),
-                                   near_squared.begin() + end);
-  }
-};
 
 }  // namespace
 
-NeighbourLists radius_neighbours(const PointCloud& cloud, float radius) {
-  if (!(radius > 0)) throw std::invalid_argument("radius_neighbours: the radius must be above 0");
-  const CubeOrder cubes(cloud, radius * 1.0001f);  // rounding must not carry a neighbour two cubes away
-  const auto& order = cubes.order();
-  const float squared_radius = radius * radius;
-  NeighbourLists lists;
-  lists.begin.resize(cloud.size(), 0);
-  lists.end.resize(cloud.size(), 0);
-  lists.index.reserve(kUsualNeighbours * cloud.size());
-  lists.squared_distance.reserve(kUsualNeighbours * cloud.size());
-  Candidates candidates;
-  for (std::size_t first = 0; first < order.size();) {
-    std::size_t last = first;
-    while (last < order.size() && order[last].key == order[first].key) ++last;
-    cubes.gather(order[first].key, &candidates.index);
-    candidates.load(cloud);
-    for (; first < last; ++first) {
-      const std::uint32_t i = order[first].index;
-      lists.begin[i] = static_cast<std::uint32_t>(lists.index.size());
-      candidates.measure(cloud.point(i));
-      candidates.append_within(squared_radius, &lists);
-      lists.end[i] = static_cast<std::uint32_t>(lists.index.size());
+NeighbourFinder::NeighbourFinder(const PointCloud& cloud, float radius)
+    : cloud_(cloud),
+      squared_radius_(radius * radius),
+      side_(static_cast<double>(radius * 1.0001f)),  // rounding must not carry a neighbour two cubes away
+      low_(Eigen::Array3d::Constant(std::numeric_limits<double>::infinity())) {
+  if (!(radius > 0)) throw std::invalid_argument("NeighbourFinder: the radius must be above 0");
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (cloud.point(i).allFinite()) low_ = low_.min(cloud.point(i).cast<double>().array());
+  }
+  sorted.reserve(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (cloud.point(i).allFinite()) sorted.emplace_back(key(cloud.point(i)), static_cast<std::uint32_t>(i));
+  }
+  std::sort(sorted.begin(), sorted.end());
+  keys_.reserve(sorted.size());
+  order_.reserve(sorted.size());
+  for (const auto& [cube, index] : sorted) {
+    keys_.push_back(cube);
+    order_.push_back(index);
+  }
+}
+
+/// One off in each coordinate, so that the cubes about the first are no wrap, and no key is 0.
+std::uint64_t NeighbourFinder::key(const Eigen::Vector3f& p) const {
+  const Eigen::Array3d cell = ((p.cast<double>().array() - low_) / side_).floor().min(kMostCells);
+  const auto part = [](double v) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(v) + 1); };
+  return part(cell.z()) << 42 | part(cell.y()) << 21 | part(cell.x());
+}
+
+void NeighbourFinder::gather_about(const Eigen::Vector3f& p) {
+  const std::uint64_t cube = key(p);
+  if (cube != gathered_) gather(cube);
+}
+
+/// The points in the 27 cubes about one.
+void NeighbourFinder::gather(std::uint64_t centre) {
+  std::vector<std::uint32_t>& index = candidates_.index;
+  index.clear();
+  for (std::int64_t dz = -1; dz <= 1; ++dz) {
+    for (std::int64_t dy = -1; dy <= 1; ++dy) {
+      const std::uint64_t row =
+          centre + static_cast<std::uint64_t>(dz * (std::int64_t{1} << 42) + dy * (std::int64_t{1} << 21));
+      const auto first = std::lower_bound(keys_.begin(), keys_.end(), row - 1);
+      for (auto at = first; at != keys_.end() && *at <= row + 1; ++at)
+        index.push_back(order_[static_cast<std::size_t>(at - keys_.begin())]);
     }
-    if (lists.index.size() > kMostEntries)
+  }
+  std::sort(index.begin(), index.end());
+  Candidates& c = candidates_;
+  for (std::vector<float>* v : {&c.x, &c.y, &c.z, &c.squared}) v->resize(index.size());
+  for (std::size_t k = 0; k < index.size(); ++k) {
+    c.x[k] = cloud_.x[index[k]];
+    c.y[k] = cloud_.y[index[k]];
+    c.z[k] = cloud_.z[index[k]];
+  }
+  gathered_ = centre;
+}
+
+void NeighbourFinder::measure(const Eigen::Vector3f& p) {
+  Candidates& c = candidates_;
+  const float px = p.x(), py = p.y(), pz = p.z();
+  for (std::size_t k = 0; k < c.index.size(); ++k) {
+    const float dx = c.x[k] - px, dy = c.y[k] - py, dz = c.z[k] - pz;
+    c.squared[k] = dx * dx + dy * dy + dz * dz;
+  }
+}
+
+const NeighbourFinder::Neighbours& NeighbourFinder::about(std::size_t i) {
+  const Eigen::Vector3f p = cloud_.point(i);
+  std::size_t found = 0;
+  if (p.allFinite()) {
+    gather_about(p);
+    measure(p);
+    // Each is written, and the next one over those that are too far: half of them are, in no order.
+    neighbours_.index.resize(candidates_.index.size());
+    neighbours_.squared_distance.resize(candidates_.index.size());
+    for (std::size_t k = 0; k < candidates_.index.size(); ++k) {
+      neighbours_.index[found] = candidates_.index[k];
+      neighbours_.squared_distance[found] = candidates_.squared[k];
+      found += candidates_.squared[k] <= squared_radius_ ? 1 : 0;
+    }
+  }
+  neighbours_.index.resize(found);
+  neighbours_.squared_distance.resize(found);
+  return neighbours_;
+}
+
+bool NeighbourFinder::has_more_than(std::size_t count, std::size_t i) {
+  const Eigen::Vector3f p = cloud_.point(i);
+  if (!p.allFinite()) return false;
+  gather_about(p);
+  const Candidates& c = candidates_;
+  std::size_t found = 0;
+  for (std::size_t k = 0; k < c.index.size() && found <= count; ++k) {
+    const float dx = c.x[k] - p.x(), dy = c.y[k] - p.y(), dz = c.z[k] - p.z();
+    found += dx * dx + dy * dy + dz * dz <= squared_radius_ ? 1 : 0;
+  }
+  return found > count;
+}
+
+NeighbourLists radius_neighbours(const PointCloud& cloud, float radius) {
+  NeighbourFinder finder(cloud, radius);
+  // Found cube by cube, wanted point by point.
+  NeighbourLists lists;
+  lists.begin.resize(cloud.size() + 1, 0);
+  std::size_t entries = 0;
+  for (std::uint32_t i : finder.order()) {
+    const std::size_t count = finder.about(i).count();
+    lists.begin[i + 1] = static_cast<std::uint32_t>(count);
+    entries += count;
+    if (entries > kMostEntries)
       throw std::length_error(
           "radius_neighbours: too many neighbours; thin the cloud or take a smaller radius");
+  }
+  for (std::size_t i = 0; i < cloud.size(); ++i) lists.begin[i + 1] += lists.begin[i];
+  lists.index.resize(entries);
+  lists.squared_distance.resize(entries);
+  for (std::uint32_t i : finder.order()) {
+    const NeighbourFinder::Neighbours& found = finder.about(i);
+    const auto at = static_cast<std::ptrdiff_t>(lists.begin[i]);
+    std::copy(found.index.begin(), found.index.end(), lists.index.begin() + at);
+    std::copy(found.squared_distance.begin(), found.squared_distance.end(),
+              lists.squared_distance.begin() + at);
   }
   return lists;
 }

@@ -10,14 +10,59 @@
 
 namespace scanlock {
 
-/// For every point of a cloud all points within a radius, itself included, ascending by index: what
-/// descriptors need, and what a tree is slow at, since the radius is the same for all.
-struct NeighbourLists {
-  std::vector<std::uint32_t> begin, end;  ///< list of point i: entries [begin[i], end[i])
-  std::vector<std::uint32_t> index;       ///< into the cloud
-  std::vector<float> squared_distance;    ///< metres squared
+/// Finds all points within a radius of one: what a tree is slow at when the radius is the same for all, and
+/// what would fill the memory when it were kept for all. Keeps a reference to the cloud, whose coordinates
+/// must not change.
+class NeighbourFinder {
+ public:
+  /// Ascending by index.
+  struct Neighbours {
+    std::vector<std::uint32_t> index;     ///< into the cloud
+    std::vector<float> squared_distance;  ///< metres squared
+    std::size_t count() const { return index.size(); }
+  };
 
-  std::size_t count(std::size_t i) const { return end[i] - begin[i]; }
+  /// `radius` in metres, > 0.
+  NeighbourFinder(const PointCloud& cloud, float radius);
+
+  /// The neighbours of point i, itself included; none for a point that is not finite. Valid until the next
+  /// call.
+  const Neighbours& about(std::size_t i);
+  /// Whether there are more than `count` of them, which takes less.
+  bool has_more_than(std::size_t count, std::size_t i);
+  /// The finite points of the cloud in an order in which they are found fastest.
+  const std::vector<std::uint32_t>& order() const { return order_; }
+
+ private:
+  /// The points in nine runs of cubes about one, copied together, ascending by index.
+  struct Candidates {
+    std::vector<std::uint32_t> index;
+    std::vector<float> x, y, z, squared;
+  };
+  std::uint64_t key(const Eigen::Vector3f& p) const;
+  void gather_about(const Eigen::Vector3f& p);
+  void gather(std::uint64_t centre);
+  void measure(const Eigen::Vector3f& p);
+
+  const PointCloud& cloud_;
+  float squared_radius_;
+  double side_;  ///< metres, of a cube
+  Eigen::Array3d low_;
+  std::vector<std::uint64_t> keys_;   ///< of the cubes, ascending; x fastest
+  std::vector<std::uint32_t> order_;  ///< the points in the order of their cubes
+  std::uint64_t gathered_ = 0;        ///< the key of the cube that the candidates are about
+  Candidates candidates_;
+  Neighbours neighbours_;
+};
+
+/// For every point of a cloud all points within a radius, itself included, ascending by index. For small
+/// radii: they are many.
+struct NeighbourLists {
+  std::vector<std::uint32_t> begin;     ///< list of point i: entries [begin[i], begin[i + 1])
+  std::vector<std::uint32_t> index;     ///< into the cloud
+  std::vector<float> squared_distance;  ///< metres squared
+
+  std::size_t count(std::size_t i) const { return begin[i + 1] - begin[i]; }
 };
 
 /// `radius` in metres, > 0. Points that are not finite have empty lists and are in none. Throws

@@ -14,22 +14,26 @@ namespace scanlock {
 namespace {
 
 constexpr double kKeypoints = 1000;       // of the source; of the target as many per area
+constexpr std::size_t kTargets = 6;       // remembered, of some megabytes each
 constexpr std::size_t kMaxNodes = 20000;  // of a search: some tenths of a second
 
 }  // namespace
 
+/// A part of the map made ready to be searched, and all that it depends on.
 struct PlaceFinder::Target {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double radius = 0, voxel = 0;
-  std::size_t places = 0;
-  std::int64_t newest = 0;
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  std::vector<std::pair<std::int64_t, Pose>> places;
   CloudDescription description;
 
   bool is_of(const RecoveryRequest& request) const {
+    const auto same = [](const auto& place, const ArchivedKeyframe& k) {
+      return place.first == k.utime && place.second.matrix() == k.map_from_body.matrix();
+    };
     return centre == request.target_centre && radius == request.radius && voxel == request.voxel &&
-           up == request.up && places == request.places.size() &&
-           (places == 0 || newest == request.places.back().utime);
+           up == request.up &&
+           std::equal(places.begin(), places.end(), request.places.begin(), request.places.end(), same);
   }
 };
 
@@ -38,27 +42,37 @@ PlaceFinder::~PlaceFinder() = default;
 PlaceFinder::PlaceFinder(PlaceFinder&&) noexcept = default;
 PlaceFinder& PlaceFinder::operator=(PlaceFinder&&) noexcept = default;
 
+const PlaceFinder::Target& PlaceFinder::target(const RecoveryRequest& request, const Eigen::Matrix3d& level) {
+  const auto known =
+      std::find_if(targets_.begin(), targets_.end(), [&](const Target& t) { return t.is_of(request); });
+  if (known != targets_.end()) {
+    std::rotate(known, known + 1, targets_.end());
+    return targets_.back();
+  }
+  if (targets_.size() == kTargets) targets_.erase(targets_.begin());
+  Target target;
+  target.centre = request.target_centre;
+  target.radius = request.radius;
+  target.voxel = request.voxel;
+  target.up = request.up;
+  for (const ArchivedKeyframe& k : request.places) target.places.emplace_back(k.utime, k.map_from_body);
+  DescriptionOptions options;
+  options.voxel = request.voxel;
+  options.keypoints =
+      static_cast<std::size_t>(kKeypoints * std::pow(request.radius / request.source_radius, 2));
+  target.description = describe(
+      moved(submap_around(request.places, request.target_centre, request.radius, request.voxel), Pose(level)),
+      options);
+  targets_.push_back(std::move(target));
+  return targets_.back();
+}
+
 RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   CpuClock clock;
   const Eigen::Matrix3d level = level_rotation(request.up);
+  const CloudDescription& target_description = target(request, level).description;
   DescriptionOptions options;
   options.voxel = request.voxel;
-  if (!target_ || !target_->is_of(request)) {
-    Target target;
-    options.keypoints =
-        static_cast<std::size_t>(kKeypoints * std::pow(request.radius / request.source_radius, 2));
-    target.centre = request.target_centre;
-    target.radius = request.radius;
-    target.voxel = request.voxel;
-    target.up = request.up;
-    target.places = request.places.size();
-    if (!request.places.empty()) target.newest = request.places.back().utime;
-    target.description =
-        describe(moved(submap_around(request.places, request.target_centre, request.radius, request.voxel),
-                       Pose(level)),
-                 options);
-    target_ = std::make_unique<Target>(std::move(target));
-  }
   // Without a measured attitude the source is levelled by its own body: slopes turn the body, and where it
   // stands now is not where it was lost.
   const Eigen::Matrix3d stand = level_rotation(request.source_up.value_or(request.body_up));
@@ -70,7 +84,7 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   registration.max_nodes = kMaxNodes;
   registration.judged = false;
   for (const Eigen::Vector3d& up : request.stands) registration.target_ups.push_back(level * up);
-  const CloudRegistration found = register_clouds(source, target_->description, registration);
+  const CloudRegistration found = register_clouds(source, target_description, registration);
 
   RecoveryAnswer answer;
   answer.serial = request.serial;

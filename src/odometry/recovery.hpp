@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -60,7 +59,7 @@ struct RecoveryAnswer {
 };
 
 /// Searches places by certified 4DOF registration. Deterministic: the budget counts nodes, not seconds.
-/// Remembers the last target, which is asked for again and again.
+/// Remembers the last few targets, which are asked for again and again.
 class PlaceFinder {
  public:
   PlaceFinder();
@@ -71,7 +70,8 @@ class PlaceFinder {
 
  private:
   struct Target;
-  std::unique_ptr<Target> target_;
+  const Target& target(const RecoveryRequest& request, const Eigen::Matrix3d& level);
+  std::vector<Target> targets_;  ///< the one that was asked for last comes last
 };
 
 }  // namespace scanlock

@@ -70,10 +70,15 @@ TEST_CASE("radius neighbours are those of a search through all points") {
       if ((cloud.point(i) - cloud.point(j)).squaredNorm() <= radius * radius) expected.push_back(j);
     }
     const std::vector<std::uint32_t> found(lists.index.begin() + lists.begin[i],
-                                           lists.index.begin() + lists.end[i]);
+                                           lists.index.begin() + lists.begin[i + 1]);
     CHECK(found == expected);
   }
   CHECK(lists.count(7) == 0);
+  NeighbourFinder finder(cloud, radius);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    CHECK(finder.has_more_than(20, i) == (lists.count(i) > 20));
+    CHECK(finder.about(i).count() == lists.count(i));
+  }
   CHECK_THROWS_AS(radius_neighbours(cloud, 0), std::invalid_argument);
 }
 
@@ -86,7 +91,7 @@ TEST_CASE("normals of a wall and the ground look at the sensor") {
     }
   }
   cloud.push_back(100, 100, 100);
-  add_normals(&cloud, radius_neighbours(cloud, 0.7f), 0.7f);
+  add_normals(&cloud, 0.7f);
   for (std::size_t i = 0; i + 1 < cloud.size(); ++i) {
     const Eigen::Vector3f expected = i % 2 == 0 ? Eigen::Vector3f(-1, 0, 0) : Eigen::Vector3f(0, 0, 1);
     CHECK((cloud.normal(i) - expected).norm() < 1e-4f);
@@ -97,11 +102,10 @@ TEST_CASE("normals of a wall and the ground look at the sensor") {
 TEST_CASE("FPFH follows its definition") {
   PointCloud cloud = small_scene();
   const float radius = 4;
-  const NeighbourLists neighbours = radius_neighbours(cloud, radius);
-  add_normals(&cloud, neighbours, 3);
+  add_normals(&cloud, 3);
   std::vector<std::uint32_t> keypoints;
   for (std::uint32_t i = 5; i < cloud.size(); i += 97) keypoints.push_back(i);
-  const Descriptors found = fpfh(cloud, neighbours, keypoints);
+  const Descriptors found = fpfh(cloud, radius, keypoints);
   double far_off = 0;
   for (std::size_t k = 0; k < keypoints.size(); ++k) {
     std::vector<double> expected(33, 0.0);

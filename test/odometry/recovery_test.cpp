@@ -100,6 +100,31 @@ TEST_CASE("what one search finds is not believed before another one agrees unles
   }
 }
 
+TEST_CASE("what a finder remembers of other searches changes no answer") {
+  const Drive drive{40, at(-5, -1, 100 * kDegree)};
+  Tracker tracker(TrackerConfig{});
+  std::optional<RecoveryRequest> request;
+  for (int i = 0; i < 60 && !request; ++i) {
+    tracker.track(drive.scan(i));
+    request = tracker.take_request();
+  }
+  REQUIRE(request);
+  RecoveryRequest elsewhere = *request, coarser = *request, turned = *request;
+  elsewhere.target_centre += Eigen::Vector3d(5, 0, 0);
+  coarser.voxel *= 1.35;
+  // The same stamps, another map: a log that was played twice.
+  for (ArchivedKeyframe& place : turned.places) place.map_from_body = at(1, 2, 0.5) * place.map_from_body;
+  PlaceFinder remembering;
+  for (int round = 0; round < 2; ++round) {
+    for (const RecoveryRequest& asked : {*request, elsewhere, coarser, turned}) {
+      const RecoveryAnswer answer = remembering.find(asked), fresh = PlaceFinder().find(asked);
+      CHECK(answer.map_from_predicted.matrix() == fresh.map_from_predicted.matrix());
+      CHECK(answer.matches == fresh.matches);
+      CHECK(answer.reason == fresh.reason);
+    }
+  }
+}
+
 TEST_CASE("a saved map is found again by another run") {
   const Drive drive{1000, Pose::Identity()};
   Tracker first(TrackerConfig{});
