@@ -30,7 +30,7 @@ constexpr double kNoRival = 2;     // the same
 constexpr int kPreciseMatches = 24;
 // Who draws long enough finds what looks right: later match sets have to pass both tests.
 constexpr int kPlainAttempts = 2;
-constexpr int kPeels = 4, kProposals = 8, kAfterwards = 2;
+constexpr int kPeels = 4, kProposals = 8;
 constexpr double kPeeled = 2;                // epsilons
 constexpr double kOutOfQuestion = 0.4;       // of the score: so much behind the best proposal
 constexpr double kFarAhead = 1.6;            // consensus over what the runner-up may have
@@ -202,12 +202,12 @@ void Registrar::look_for_more(Matches matches) {
   }
 }
 
-/// One was found a while ago that the clouds do not contradict, and they contradict all others: what still
-/// fewer matches propose is no rival. Where several look alike the right one may have the fewest.
+/// There is one that the clouds do not contradict, they contradict all others, and what is found by now has
+/// far fewer matches. Where several look alike the right one may have the fewest.
 bool Registrar::enough_proposals() const {
-  const auto last = std::find_if(hypotheses_.rbegin(), hypotheses_.rend(), is_good);
-  return last - hypotheses_.rbegin() >= kAfterwards &&
-         std::count_if(hypotheses_.begin(), hypotheses_.end(), is_good) == 1;
+  const auto good = std::find_if(hypotheses_.begin(), hypotheses_.end(), is_good);
+  return good != hypotheses_.end() && good->consensus >= kFarAhead * hypotheses_.back().consensus &&
+         std::none_of(good + 1, hypotheses_.end(), is_good);
 }
 
 void Registrar::attempt(const CloudDescription& source, const CloudDescription& target) {

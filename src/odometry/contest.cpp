@@ -11,9 +11,9 @@
 namespace scanlock {
 namespace {
 
-// Of the usual share of inliers, what a place has to have. The more else speaks for one, the more of what is
-// seen may be new ground.
-constexpr double kUsualShare = 0.9, kSecondedShare = 0.75, kClearShare = 0.65;
+// Of the usual share of inliers, what a place has to have: a room that looks alike has 0.85. Where the
+// matches leave no doubt, more of what is seen may be new ground.
+constexpr double kUsualShare = 0.9, kClearShare = 0.65;
 constexpr int kWins = 3;  // scans in a row
 constexpr int kMissesAllowed = 1;
 constexpr int kPatience = 8;                           // scans in which it has to be decided
@@ -29,10 +29,8 @@ bool is_open(const Attempt& attempt) {
 
 }  // namespace
 
-Contest::Contest(const std::vector<Pose>& map_from_predicted, Evidence evidence)
-    : least_share_(evidence == Evidence::kClear      ? kClearShare
-                   : evidence == Evidence::kSeconded ? kSecondedShare
-                                                     : kUsualShare) {
+Contest::Contest(const std::vector<Pose>& map_from_predicted, bool clear)
+    : least_share_(clear ? kClearShare : kUsualShare) {
   for (const Pose& pose : map_from_predicted) {
     places_.emplace_back();
     places_.back().map_from_predicted = pose;
@@ -40,7 +38,7 @@ Contest::Contest(const std::vector<Pose>& map_from_predicted, Evidence evidence)
 }
 
 Contest::Contest(const Pose& map_from_predicted, int wins)
-    : Contest(std::vector<Pose>{map_from_predicted}, Evidence::kNone) {
+    : Contest(std::vector<Pose>{map_from_predicted}, false) {
   places_.front().tried = wins > 0;
   wins_ = wins;
   expected_ = true;

@@ -18,15 +18,9 @@ class Contest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
-  /// What speaks for the favourite already.
-  enum class Evidence : std::int8_t {
-    kNone,
-    kSeconded,  ///< searches of different scales agree on it
-    kClear,     ///< it has far more matches than any other place
-  };
-
-  /// Corrections of predicted poses, the favourite first.
-  Contest(const std::vector<Pose>& map_from_predicted, Evidence evidence);
+  /// Corrections of predicted poses, the favourite first. `clear`: it has far more matches than any other
+  /// place.
+  Contest(const std::vector<Pose>& map_from_predicted, bool clear);
   /// One that needs no search, for the robot is expected there. `wins`: scans that it has explained already.
   Contest(const Pose& map_from_predicted, int wins);
 

@@ -40,6 +40,7 @@ Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vec
     health.overlap = static_cast<double>(matched) / static_cast<double>(residuals.size());
   if (!residuals.empty())
     health.share = static_cast<double>(health.inliers) / static_cast<double>(residuals.size());
+  health.young = count_ < kYoung;
   if (count_ > 0) {
     health.usual_share =
         median({shares_.begin(), shares_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, kHistory))});

@@ -14,6 +14,7 @@ struct Health {
       1;  ///< weighted mean of Welsch's function of the residuals at a fixed scale, 0 (perfect) to 1
   double overlap = 0;      ///< share of the source points that met a surface
   double baseline = 0;     ///< median of the recent energies
+  bool young = true;       ///< there are but a few of them: the map is thin
   double score = 0;        ///< robust z-score of the energy against them
   int inliers = 0;         ///< source points within three scales of their surface
   double share = 0;        ///< of the source points, the inliers
@@ -33,7 +34,7 @@ class HealthMonitor {
   void forget() { count_ = 0; }
 
  private:
-  static constexpr std::size_t kHistory = 50, kFew = 3;  // scans
+  static constexpr std::size_t kHistory = 50, kFew = 3, kYoung = 5;  // scans
   std::array<double, kHistory> history_{}, shares_{};
   std::size_t count_ = 0;  ///< remembered since the last forget
 };

@@ -26,7 +26,7 @@ constexpr int kDeskewRounds = 6;  // at most
 constexpr double kLeastShare = 0.3;
 constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history says
-constexpr double kMostAtFirst = 0.7;  // a map of one scan is thin
+constexpr double kMostAtFirst = 0.7;  // a map of few scans is thin
 constexpr double kUsualShare = 0.8;
 
 constexpr std::size_t kPartPoints = 800;  // of a scan, to see whether it fits at all
@@ -164,7 +164,7 @@ void Odometer::insert(std::int64_t utime, const PreparedScan& scan, const Moving
 bool explains(const Attempt& attempt, double most_score) {
   const Health& h = attempt.health;
   return attempt.alignment.moving.pose.matrix().allFinite() && h.score < most_score &&
-         h.energy < (h.baseline > 0 ? kMostEnergy : kMostAtFirst) && h.overlap > kLeastOverlap &&
+         h.energy < (h.young ? kMostAtFirst : kMostEnergy) && h.overlap > kLeastOverlap &&
          h.inliers >= static_cast<int>(kLeastPoints);
 }
 

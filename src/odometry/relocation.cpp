@@ -183,8 +183,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   const Pose place = renormalised(answer.map_from_predicted * excursion_->state().pose);
   if (!covers(odometer, place, archive.scene(place.translation())))
     odometer.reload(archive.keyframes(), place.translation(), voxel);
-  const auto evidence = answer.clear ? Contest::Evidence::kClear : Contest::Evidence::kSeconded;
-  candidate_ = Candidate{Contest(places, evidence), std::move(answer)};
+  const bool clear = answer.clear;
+  candidate_ = Candidate{Contest(places, clear), std::move(answer)};
 }
 
 /// Earlier finds are rivals too, and what could not be decided before: a few matches more or less do not
