@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "global/cloud_check.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -35,6 +36,17 @@ CloudCheck::CloudCheck(const PointCloud& cloud, double voxel)
   }
   samples_ = every_nth(steep.size() >= kFewSteep ? steep : all, kSamples);
   trace_rays();
+}
+
+Eigen::Vector3d CloudCheck::loose_direction() const {
+  Eigen::Matrix2d moment = Eigen::Matrix2d::Zero();
+  for (std::uint32_t i : samples_) {
+    const Eigen::Vector2d normal = cloud_.normal(i).head<2>().cast<double>();
+    moment += normal * normal.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(moment);
+  const Eigen::Vector2d least = solver.eigenvectors().col(0);
+  return {least.x(), least.y(), 0};
 }
 
 Eigen::Array3i CloudCheck::cell(const Eigen::Vector3f& p) const {

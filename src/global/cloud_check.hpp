@@ -32,6 +32,9 @@ class CloudCheck {
   /// them. Must outlive this object.
   CloudCheck(const PointCloud& cloud, double voxel);
 
+  /// The horizontal direction, in the cloud's frame, that its surfaces hold the least.
+  Eigen::Vector3d loose_direction() const;
+
   friend CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source);
 
  private:

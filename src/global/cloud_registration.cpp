@@ -24,6 +24,7 @@ constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
 // Rooms of one building can look alike to half their surfaces, but the walls of the one stand in the free
 // space of the other.
 constexpr double kClearContradiction = 0.04, kSomeOverlap = 0.3;
+constexpr double kStillFits = 0.95;  // of the overlap
 constexpr int kGuidedLambda = 10;
 constexpr double kHopeless = 0.5;  // contradiction, before the refinement
 constexpr double kNoRival = 2;     // the same
@@ -74,6 +75,7 @@ class Registrar {
     result_.nodes += search.nodes;
   }
   void judge();
+  bool slides(const Hypothesis& hypothesis) const;
   std::string numbers() const;
 
   const CloudDescription &source_, &target_;
@@ -248,6 +250,20 @@ std::string Registrar::numbers() const {
   return text;
 }
 
+/// Whether the clouds fit about as well a little farther on: a tunnel is alike along all its length, and the
+/// rings of a scanner move along with it.
+bool Registrar::slides(const Hypothesis& hypothesis) const {
+  const Eigen::Vector3d step =
+      kRivalEpsilons * result_.epsilon * (hypothesis.refined.linear() * source_check_->loose_direction());
+  const auto fits = [&](const Eigen::Vector3d& shift) {
+    Pose shifted = hypothesis.refined;
+    shifted.translation() += shift;
+    const CloudFit fit = compare(*source_check_, *target_check_, shifted);
+    return fit.overlap >= kStillFits * hypothesis.fit.overlap && fit.contradiction <= kClearContradiction;
+  };
+  return fits(step) || fits(-step);
+}
+
 void Registrar::judge() {
   const MatchRegistration& s = result_.solution;
   result_.verdict = GlobalVerdict::kNoOverlap;
@@ -282,7 +298,7 @@ void Registrar::judge() {
   } else if (rival) {
     result_.verdict = GlobalVerdict::kAmbiguous;
     result_.why = "another pose fits the clouds about as well: " + numbers();
-  } else if ((best->degenerate_axes & kHorizontalAxes) != 0) {  // a tunnel is alike along all its length
+  } else if ((best->degenerate_axes & kHorizontalAxes) != 0 || slides(*best)) {
     result_.verdict = GlobalVerdict::kAmbiguous;
     result_.why = "the clouds leave a motion open: " + numbers();
   } else if (result_.attempts > kPlainAttempts ? !strong || !clear : !strong && !clear) {

@@ -58,6 +58,26 @@ PointCloud scanned_corridor(unsigned sampling) {
   return cloud;
 }
 
+/// A vaulted tunnel along x, as a scanner of 16 beams sees it from anywhere in it.
+PointCloud scanned_tunnel(unsigned sampling) {
+  std::mt19937 rng(sampling);
+  std::normal_distribution<double> noise(0, 0.01);
+  PointCloud cloud;
+  for (int beam = 0; beam < 16; ++beam) {
+    const double elevation = (2 * beam - 15) * kDegree;
+    for (int k = 0; k < 1800; ++k) {
+      const double azimuth = 0.2 * k * kDegree;
+      const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
+                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      const double wall = (3.0 + 1.5 * (ray.y() > 0)) / std::abs(ray.y());  // nearer on one side
+      const double level = ray.z() > 0 ? 4.0 / ray.z() : 1.5 / -ray.z();
+      const double range = std::min(wall, level) + noise(rng);
+      if (range < 60) cloud.push_back((range * ray).cast<float>());
+    }
+  }
+  return cloud;
+}
+
 }  // namespace
 
 TEST_CASE("two looks at one yard register for certain, whatever the yaw") {
@@ -96,6 +116,12 @@ TEST_CASE("a shift along a bare corridor is never certain") {
 TEST_CASE("that a corridor looks the same to a scanner makes no pose certain") {
   const CloudRegistration found = registered(scanned_corridor(31), scanned_corridor(32));
   CHECK(found.verdict != GlobalVerdict::kCertain);
+}
+
+TEST_CASE("a tunnel that goes on as it was makes no pose certain") {
+  const CloudRegistration found = registered(scanned_tunnel(1), scanned_tunnel(2));
+  CHECK(found.fit.overlap > 0.5);
+  CHECK(found.verdict == GlobalVerdict::kAmbiguous);
 }
 
 TEST_CASE("any axis may be up") {
