@@ -11,9 +11,9 @@
 namespace scanlock {
 namespace {
 
-// Of the usual share of inliers, what a place has to have: a room that looks alike has 0.85. Where the
-// matches leave no doubt, more of what is seen may be new ground.
-constexpr double kUsualShare = 0.9, kClearShare = 0.65;
+// Of the usual share of inliers, what a place has to have to be a rival, and what to win: rooms that look
+// alike have 0.85 to 0.93. Where the matches leave no doubt, more of what is seen may be new ground.
+constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kClearShare = 0.65;
 constexpr int kWins = 3;  // scans in a row
 constexpr int kMissesAllowed = 1;
 constexpr int kPatience = 8;                           // scans in which it has to be decided
@@ -30,7 +30,7 @@ bool is_open(const Attempt& attempt) {
 }  // namespace
 
 Contest::Contest(const std::vector<Pose>& map_from_predicted, bool clear)
-    : least_share_(clear ? kClearShare : kUsualShare) {
+    : least_share_(clear ? kClearShare : kUsualShare), winners_share_(clear ? kClearShare : kWinnersShare) {
   for (const Pose& pose : map_from_predicted) {
     places_.emplace_back();
     places_.back().map_from_predicted = pose;
@@ -39,6 +39,7 @@ Contest::Contest(const std::vector<Pose>& map_from_predicted, bool clear)
 
 Contest::Contest(const Pose& map_from_predicted, int wins)
     : Contest(std::vector<Pose>{map_from_predicted}, false) {
+  winners_share_ = kUsualShare;
   places_.front().tried = wins > 0;
   wins_ = wins;
   expected_ = true;
@@ -47,7 +48,7 @@ Contest::Contest(const Pose& map_from_predicted, int wins)
 void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
                         Place& place) const {
   const MovingPose& predicted = excursion.state();
-  const double metres = place.tried ? 0.1 : 0.5, radians = (place.tried ? 1.0 : 3.0) * kDegree;
+  const double metres = place.tried ? 0.1 : 0.5, radians = (place.tried ? 2.0 : 3.0) * kDegree;
   MotionPrior prior;
   prior.mean = {renormalised(place.map_from_predicted * predicted.pose), predicted.twist};
   prior.information = prior_information(metres, radians, excursion.covariance());
@@ -55,6 +56,7 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
   const Pose& found = place.attempt.alignment.moving.pose;
   const Health& health = place.attempt.health;
   const double usual = health.usual_share > 0 ? health.usual_share : excursion.usual_share();
+  place.could_win = health.share >= winners_share_ * usual;
   place.fits = explains(place.attempt, kCalmScore) && health.share >= least_share_ * usual &&
                near(found, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   if (place.fits) {
@@ -84,7 +86,7 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
   });
   if (clear && !expected_ && is_open(leader.attempt)) return Outcome::kUndecided;
   const bool same = !led || near(led_by, leader.map_from_predicted, 1.0, 6.0 * kDegree);
-  wins_ = !clear ? 0 : same ? wins_ + 1 : 1;
+  wins_ = !clear || !leader.could_win ? 0 : same ? wins_ + 1 : 1;
   if (wins_ >= kWins) return Outcome::kWon;
   return ++scans_ >= kPatience ? Outcome::kUndecided : Outcome::kOpen;
 }

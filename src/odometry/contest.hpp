@@ -37,7 +37,8 @@ class Contest {
   struct Place {
     Pose map_from_predicted;
     int missed = 0;
-    bool fits = false;  ///< the last scan
+    bool fits = false;       ///< the last scan
+    bool could_win = false;  ///< by it
     bool tried = false;
     Attempt attempt;
   };
@@ -45,8 +46,8 @@ class Contest {
                  Place& place) const;
   void drop_losers();
 
-  std::vector<Place> places_;  ///< never empty; the leader first
-  double least_share_;         ///< of the usual share of inliers, for a place to fit
+  std::vector<Place> places_;           ///< never empty; the leader first
+  double least_share_, winners_share_;  ///< of the usual share of inliers, for a place to fit, and to win
   int wins_ = 0, scans_ = 0;
   bool expected_ = false;
 };

@@ -18,7 +18,7 @@ namespace {
 constexpr double kMicro = 1e-6;
 
 constexpr double kNewGroundShare = 0.6, kFitScore = 3.0;
-constexpr double kSuddenShare = 0.8, kSuddenScore = 0.5;
+constexpr double kSuddenShare = 0.87, kWaryShare = 0.92, kSuddenScore = 0.5;
 constexpr double kMoment = 0.35;  // seconds
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
@@ -141,9 +141,10 @@ struct Tracker::State {
   bool elsewhere(std::int64_t utime, const PreparedScan& scan, const Health& health) const {
     const bool little = health.score > kFitScore && health.share < kNewGroundShare * health.usual_share;
     // What made the last scan suspicious is not explained by one that fits a little better.
-    const bool suspicious = distrusted_scans > 0 || health.score > kSuddenScore;
+    const bool wary = distrusted_scans > 0;
+    const bool suspicious = wary || health.score > kSuddenScore;
     const bool sudden = static_cast<double>(utime - last_trusted_utime) * kMicro < kMoment && suspicious &&
-                        health.share < kSuddenShare * health.last_share;
+                        health.share < (wary ? kWaryShare : kSuddenShare) * health.last_share;
     return (little || sudden) && looks_around(scan.source);
   }
 
