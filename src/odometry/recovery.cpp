@@ -14,6 +14,7 @@ namespace scanlock {
 namespace {
 
 constexpr double kKeypoints = 1000;       // of the source; of the target as many per area
+constexpr double kMostWider = 3;          // is the target taken to be
 constexpr std::size_t kTargets = 6;       // remembered, of some megabytes each
 constexpr std::size_t kMaxNodes = 20000;  // of a search: some tenths of a second
 
@@ -58,8 +59,8 @@ const PlaceFinder::Target& PlaceFinder::target(const RecoveryRequest& request, c
   for (const ArchivedKeyframe& k : request.places) target.places.emplace_back(k.utime, k.map_from_body);
   DescriptionOptions options;
   options.voxel = request.voxel;
-  options.keypoints =
-      static_cast<std::size_t>(kKeypoints * std::pow(request.radius / request.source_radius, 2));
+  const double wider = std::min(request.radius / std::max(request.source_radius, 1e-3), kMostWider);
+  options.keypoints = static_cast<std::size_t>(kKeypoints * wider * wider);
   target.description = describe(
       moved(submap_around(request.places, request.target_centre, request.radius, request.voxel), Pose(level)),
       options);
