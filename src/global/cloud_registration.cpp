@@ -35,7 +35,7 @@ constexpr int kPeels = 4, kProposals = 8;
 constexpr double kPeeled = 2;                // epsilons
 constexpr double kOutOfQuestion = 0.4;       // of the score: so much behind the best proposal
 constexpr double kFarAhead = 1.6;            // consensus over what the runner-up may have
-constexpr double kImpossible = 0.07;         // contradiction: right poses hardly ever have 0.065
+constexpr double kImpossible = 0.1;          // contradiction: right poses hardly ever have more than 0.065
 constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
 constexpr int kRounds = 8;
 constexpr std::size_t kManyKeypoints = 300;
