@@ -41,6 +41,7 @@ Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vec
   if (!residuals.empty())
     health.share = static_cast<double>(health.inliers) / static_cast<double>(residuals.size());
   health.young = count_ < kYoung;
+  health.grown = count_ >= kHistory;
   if (count_ > 0) {
     health.usual_share =
         median({shares_.begin(), shares_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, kHistory))});

@@ -15,6 +15,7 @@ struct Health {
   double overlap = 0;      ///< share of the source points that met a surface
   double baseline = 0;     ///< median of the recent energies
   bool young = true;       ///< there are but a few of them: the map is thin
+  bool grown = false;      ///< there are as many as are ever kept
   double score = 0;        ///< robust z-score of the energy against them
   int inliers = 0;         ///< source points within three scales of their surface
   double share = 0;        ///< of the source points, the inliers

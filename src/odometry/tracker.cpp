@@ -18,7 +18,8 @@ namespace {
 constexpr double kMicro = 1e-6;
 
 constexpr double kNewGroundShare = 0.6, kFitScore = 3.0;
-constexpr double kSuddenShare = 0.87, kWaryShare = 0.92, kSuddenScore = 0.5;
+// A map of a few scans loses sight of much from one scan to the next.
+constexpr double kYoungShare = 0.8, kSuddenShare = 0.87, kWaryShare = 0.92, kSuddenScore = 0.5;
 constexpr double kMoment = 0.35;  // seconds
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
@@ -143,8 +144,9 @@ struct Tracker::State {
     // What made the last scan suspicious is not explained by one that fits a little better.
     const bool wary = distrusted_scans > 0;
     const bool suspicious = wary || health.score > kSuddenScore;
+    const double least = !health.grown ? kYoungShare : wary ? kWaryShare : kSuddenShare;
     const bool sudden = static_cast<double>(utime - last_trusted_utime) * kMicro < kMoment && suspicious &&
-                        health.share < (wary ? kWaryShare : kSuddenShare) * health.last_share;
+                        health.share < least * health.last_share;
     return (little || sudden) && looks_around(scan.source);
   }
 
