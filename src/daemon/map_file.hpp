@@ -25,7 +25,8 @@ namespace scanlock {
 ///
 /// The step is the smallest power of two that reaches the keyframe's farthest coordinate in 32767 steps, so a
 /// coordinate is kept to half of it: 2 mm where the farthest is 100 m, 0.25 mm where it is 15 m. Poses are
-/// kept exactly, and a map that was read is written to the same bytes again.
+/// kept exactly, and a map of this version that was read is written to the same bytes again. One of version 1
+/// is read, too.
 constexpr std::uint32_t kMapVersion = 2;
 
 /// Points that are not finite are left out.

@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
-#include "geometry/rigid_fit.hpp"
 #include "global/attitude_search.hpp"
+#include "global/cloud_pair.hpp"
 #include "global/cpu_clock.hpp"
 #include "global/hypothesis.hpp"
-#include "icp/cloud_alignment.hpp"
 
 namespace scanlock {
 namespace {
@@ -21,165 +19,89 @@ namespace {
 constexpr double kEpsilonOfVoxel = 0.75;
 constexpr double kStrongOverlap = 0.55, kStrongLeastOverlap = 0.45, kStrongContradiction = 0.03;
 constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
-// Rooms of one building can look alike to half their surfaces, but the walls of the one stand in the free
-// space of the other.
-constexpr double kClearContradiction = 0.04, kSomeOverlap = 0.3;
-constexpr double kStillFits = 0.95;  // of the overlap
-constexpr int kGuidedLambda = 10;
-constexpr double kHopeless = 0.5;  // contradiction, before the refinement
-constexpr double kNoRival = 2;     // the same
+constexpr double kSomeOverlap = 0.3;
+constexpr double kNoRival = 2;  // consensus over what the runner-up may have
 constexpr int kPreciseMatches = 24;
 // Who draws long enough finds what looks right: later match sets have to pass both tests.
 constexpr int kPlainAttempts = 2;
 constexpr int kPeels = 4, kProposals = 8;
-constexpr double kPeeled = 2;                // epsilons
-constexpr double kOutOfQuestion = 0.4;       // of the score: so much behind the best proposal
-constexpr double kFarAhead = 1.6;            // consensus over what the runner-up may have
-constexpr double kImpossible = 0.1;          // contradiction: right poses hardly ever have more than 0.065
-constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
-constexpr int kRounds = 8;
+constexpr double kPeeled = 2;           // epsilons
+constexpr double kOutOfQuestion = 0.4;  // of the score: so much behind the best proposal
+constexpr double kFarAhead = 1.6;       // consensus over what the runner-up may have
+constexpr double kImpossible = 0.1;     // contradiction: right poses hardly ever have more than 0.065
 constexpr std::size_t kManyKeypoints = 300;
 
 bool is_good(const Hypothesis& hypothesis) {
   return hypothesis.fit.contradiction <= kClearContradiction && hypothesis.fit.overlap >= kSomeOverlap;
 }
 
-/// The clouds of one registration, indexed once for all attempts.
+/// One registration: its searches, and what to make of the poses that they find.
 class Registrar {
  public:
   Registrar(const CloudDescription& source, const CloudDescription& target,
             const CloudRegistrationOptions& options)
-      : source_(source), target_(target), options_(options) {
-    result_.epsilon = options.epsilon > 0 ? options.epsilon : kEpsilonOfVoxel * source.voxel;
-    for (std::size_t i = 0; i < source.points.size(); ++i) centre_ += source.points.point(i).cast<double>();
-    if (!source.points.empty()) centre_ /= static_cast<double>(source.points.size());
-  }
+      : source_(source),
+        target_(target),
+        options_(options),
+        epsilon_(options.epsilon > 0 ? options.epsilon : kEpsilonOfVoxel * source.voxel),
+        clouds_(source, target, epsilon_, options.judged) {}
 
   CloudRegistration run();
 
  private:
+  CloudRegistration decide();
   CloudRegistration propose();
   void try_again();
   void attempt(const CloudDescription& source, const CloudDescription& target);
   MatchRegistration search(const Matches& matches, bool runner_up) const;
   void look_for_more(Matches matches);
   bool enough_proposals() const;
-  Pose middle_pose(Pose pose);
-  Pose surface_pose(const Pose& pose);
-  void compare_clouds(Hypothesis* hypothesis);
   void add_hypothesis(const Pose& pose, int consensus);
-  Pose refined(const Pose& start, std::uint32_t* degenerate_axes);
+  void settle_on(const Hypothesis& best);
   void account(const MatchRegistration& search) {
     result_.pruning_ms += search.pruning_ms;
     result_.search_ms += search.search_ms + search.runner_up_ms;
     result_.nodes += search.nodes;
   }
   void judge();
-  bool slides(const Hypothesis& hypothesis) const;
   std::string numbers() const;
 
   const CloudDescription &source_, &target_;
   CloudRegistrationOptions options_;
-  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();  // of the source, metres
-  Matches guided_matches_;                            // of all keypoints; drawn when first needed
-  std::vector<SurfaceMatch> surface_matches_;         // the same, for clouds that judge
-  std::optional<CloudTarget> index_;
-  std::optional<CloudCheck> source_check_, target_check_;
+  double epsilon_;  // metres
+  CloudPair clouds_;
   std::vector<Hypothesis> hypotheses_;  // of this attempt; distinct; the first has the largest consensus
   CloudRegistration result_;
 };
 
 MatchRegistration Registrar::search(const Matches& matches, bool runner_up) const {
   MatchRegistrationOptions search;
-  search.epsilon = result_.epsilon;
+  search.epsilon = epsilon_;
   search.tilt = options_.tilt;
   search.max_nodes = options_.max_nodes;
   search.budget_s = options_.budget_s;
   search.runner_up = runner_up;
   search.prune = runner_up;                  // without one, as soon done without
   search.weak_runner_up = !options_.judged;  // the clouds refute those anyway
-  search.rival_distance = kRivalEpsilons * result_.epsilon;
+  search.rival_distance = kRivalEpsilons * epsilon_;
   search.rival_angle = kRivalAngle;
-  return search_attitudes(matches, search, options_.target_ups, centre_);
+  return search_attitudes(matches, search, options_.target_ups, clouds_.centre());
 }
 
-/// Keeps the start when the clouds would carry the pose away from it: that is no refinement.
-Pose Registrar::refined(const Pose& start, std::uint32_t* degenerate_axes) {
-  if (!index_) {
-    index_.emplace(target_.points);
-    index_->prepare_normals();
-  }
-  CloudAlignmentOptions alignment;
-  alignment.nu_max = result_.epsilon;
-  alignment.nu_min = std::max(index_->point_nu_min(), index_->plane_nu_min());
-  for (const char* method : {"robust-icp-plane", "robust-icp"}) {
-    const CloudAlignment aligned =
-        align_clouds(source_.points, *index_, start, *find_cloud_method(method), alignment);
-    *degenerate_axes = aligned.degenerate_axes;
-    if (separation(aligned.target_from_source, start, centre_, result_.epsilon) < 1)
-      return aligned.target_from_source;
-  }
-  return start;
-}
-
-/// The pose that all matches near it crowd about. Once a pose is known, matches that are too ambiguous to
-/// search with tell the right ones: those that agree with it. They count less the farther off they are
-/// (Welsch's weights), for what is within epsilon by chance is anywhere there.
-Pose Registrar::middle_pose(Pose pose) {
-  if (guided_matches_.empty()) guided_matches_ = match(source_, target_, kGuidedLambda);
-  const Eigen::Matrix3d level = level_rotation(pose.linear().col(2));
-  for (int round = 0; round < kRounds; ++round) {
-    const double scale = std::max(kCrowd, 1.0 - kCrowd * round) * result_.epsilon;
-    PairSums sums;
-    int near = 0;
-    for (const Match& m : guided_matches_) {
-      const double squared = (pose * m.p - m.q).squaredNorm();
-      if (squared > kReach * kReach * scale * scale) continue;
-      sums.add(std::exp(-squared / (2 * scale * scale)), m.p, level * m.q);
-      ++near;
-    }
-    if (near < kFewestMatches) break;
-    pose = level.transpose() * level_fit(sums);
-  }
-  return pose;
-}
-
-/// The pose near it at which the surfaces of all matches meet. (Not for callers who judge: what they make of
-/// the poses was settled with middle_pose().)
-Pose Registrar::surface_pose(const Pose& pose) {
-  if (surface_matches_.empty()) surface_matches_ = match_surfaces(source_, target_, kGuidedLambda);
-  return fit_surfaces(surface_matches_, pose, centre_, result_.epsilon);
-}
-
-/// Makes the pose precise, first with all matches, then with the clouds, and compares the clouds. Drops it
-/// when a hypothesis is there already.
+/// Drops it when a hypothesis is there already.
 void Registrar::add_hypothesis(const Pose& pose, int consensus) {
-  CpuClock clock;
-  Hypothesis hypothesis;
-  hypothesis.consensus = consensus;
-  hypothesis.start = hypothesis.refined = options_.judged ? surface_pose(pose) : middle_pose(pose);
-  result_.matching_ms += clock.lap();
-  compare_clouds(&hypothesis);
-  result_.refinement_ms += clock.lap();
+  const Hypothesis hypothesis = clouds_.examine(pose, consensus, hypotheses_.empty());
   const bool known = std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& other) {
-    return separation(other.refined, hypothesis.refined, centre_, result_.epsilon) < 0.5;
+    return clouds_.separation(other.refined, hypothesis.refined) < 0.5;
   });
   if (!known) hypotheses_.push_back(hypothesis);
 }
 
-void Registrar::compare_clouds(Hypothesis* hypothesis) {
-  if (!source_check_) source_check_.emplace(source_.points, source_.voxel);
-  if (!target_check_) target_check_.emplace(target_.points, target_.voxel);
-  const bool first = hypotheses_.empty();
-  if (!first) hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->start);
-  if (first || hypothesis->fit.contradiction < kHopeless) {
-    hypothesis->refined = refined(hypothesis->start, &hypothesis->degenerate_axes);
-    hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->refined);
-    // Where surfaces leave a slide open, the clouds know more of it than the first matches did.
-    if (options_.judged)
-      hypothesis->start =
-          surface_pose(levelled(hypothesis->refined, hypothesis->start.linear().col(2), centre_));
-  }
+void Registrar::settle_on(const Hypothesis& best) {
+  result_.start = best.start;
+  result_.target_from_source = best.refined;
+  result_.fit = best.fit;
+  result_.degenerate_axes = best.degenerate_axes;
 }
 
 /// Where matches are ambiguous the right pose need not have the most of them. Takes those of the poses found
@@ -191,7 +113,7 @@ void Registrar::look_for_more(Matches matches) {
   for (int peel = 0; peel < (options_.judged ? kPeels : kProposals); ++peel) {
     if (!options_.judged && enough_proposals()) break;
     const auto agrees = [&](const Match& m) {
-      const double reach = kPeeled * result_.epsilon + options_.tilt * m.p.norm();
+      const double reach = kPeeled * epsilon_ + options_.tilt * m.p.norm();
       return std::any_of(found.begin(), found.end(),
                          [&](const Pose& pose) { return (pose * m.p - m.q).norm() <= reach; });
     };
@@ -250,20 +172,6 @@ std::string Registrar::numbers() const {
   return text;
 }
 
-/// Whether the clouds fit about as well a little farther on: a tunnel is alike along all its length, and the
-/// rings of a scanner move along with it.
-bool Registrar::slides(const Hypothesis& hypothesis) const {
-  const Eigen::Vector3d step =
-      kRivalEpsilons * result_.epsilon * (hypothesis.refined.linear() * source_check_->loose_direction());
-  const auto fits = [&](const Eigen::Vector3d& shift) {
-    Pose shifted = hypothesis.refined;
-    shifted.translation() += shift;
-    const CloudFit fit = compare(*source_check_, *target_check_, shifted);
-    return fit.overlap >= kStillFits * hypothesis.fit.overlap && fit.contradiction <= kClearContradiction;
-  };
-  return fits(step) || fits(-step);
-}
-
 void Registrar::judge() {
   const MatchRegistration& s = result_.solution;
   result_.verdict = GlobalVerdict::kNoOverlap;
@@ -274,10 +182,7 @@ void Registrar::judge() {
   const auto best =
       std::max_element(hypotheses_.begin(), hypotheses_.end(),
                        [](const auto& a, const auto& b) { return score(a.fit) < score(b.fit); });
-  result_.start = best->start;
-  result_.target_from_source = best->refined;
-  result_.fit = best->fit;
-  result_.degenerate_axes = best->degenerate_axes;
+  settle_on(*best);
   const bool first = best == hypotheses_.begin();
   bool rival = false;
   result_.rival_fit = CloudFit{};
@@ -298,7 +203,7 @@ void Registrar::judge() {
   } else if (rival) {
     result_.verdict = GlobalVerdict::kAmbiguous;
     result_.why = "another pose fits the clouds about as well: " + numbers();
-  } else if ((best->degenerate_axes & kHorizontalAxes) != 0 || slides(*best)) {
+  } else if ((best->degenerate_axes & kHorizontalAxes) != 0 || clouds_.slides(*best)) {
     result_.verdict = GlobalVerdict::kAmbiguous;
     result_.why = "the clouds leave a motion open: " + numbers();
   } else if (result_.attempts > kPlainAttempts ? !strong || !clear : !strong && !clear) {
@@ -332,10 +237,7 @@ CloudRegistration Registrar::propose() {
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
                    [](const auto& a, const auto& b) { return score(a.fit) > score(b.fit); });
   const Hypothesis& best = hypotheses_.front();
-  result_.start = best.start;
-  result_.target_from_source = best.refined;
-  result_.fit = best.fit;
-  result_.degenerate_axes = best.degenerate_axes;
+  settle_on(best);
   for (const Hypothesis& h : hypotheses_) {
     if (&h != &best && h.fit.contradiction <= kImpossible && score(h.fit) > score(best.fit) - kOutOfQuestion)
       result_.rivals.push_back(h.refined);
@@ -345,7 +247,7 @@ CloudRegistration Registrar::propose() {
     result_.why = "the clouds contradict every pose: " + result_.why;
     return result_;
   }
-  const bool is_largest = separation(best.refined, largest, centre_, result_.epsilon) < 1;
+  const bool is_largest = clouds_.separation(best.refined, largest) < 1;
   result_.verdict = !s.certified          ? GlobalVerdict::kUncertified
                     : clear && is_largest ? GlobalVerdict::kCertain
                                           : GlobalVerdict::kAmbiguous;
@@ -353,7 +255,14 @@ CloudRegistration Registrar::propose() {
 }
 
 CloudRegistration Registrar::run() {
-  if (!options_.judged) return propose();
+  CloudRegistration result = options_.judged ? decide() : propose();
+  result.epsilon = epsilon_;
+  result.matching_ms += clouds_.matching_ms();
+  result.refinement_ms = clouds_.refinement_ms();
+  return result;
+}
+
+CloudRegistration Registrar::decide() {
   for (int round = 0; round < options_.attempts; ++round) {
     if (round == 0 && source_.keypoints.size() > kManyKeypoints) {
       attempt(part(source_, 2), part(target_, 2));
@@ -378,8 +287,7 @@ void Registrar::try_again() {
     const int attempts = result_.attempts;
     result_ = first;
     result_.attempts = attempts;
-  } else if (separation(first.target_from_source, result_.target_from_source, centre_, result_.epsilon) >=
-             1) {
+  } else if (clouds_.separation(first.target_from_source, result_.target_from_source) >= 1) {
     result_.verdict = GlobalVerdict::kAmbiguous;
     result_.why = "more matches lead to another pose: " + numbers();
   }

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <utility>
+
+#include "geometry/radix_sort.hpp"
 
 namespace scanlock {
 namespace {
@@ -22,7 +23,7 @@ NeighbourFinder::NeighbourFinder(const PointCloud& cloud, float radius)
       side_(static_cast<double>(radius * 1.0001f)),  // rounding must not carry a neighbour two cubes away
       low_(Eigen::Array3d::Constant(std::numeric_limits<double>::infinity())) {
   if (!(radius > 0)) throw std::invalid_argument("NeighbourFinder: the radius must be above 0");
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted;
+  std::vector<KeyedIndex> sorted;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (cloud.point(i).allFinite()) low_ = low_.min(cloud.point(i).cast<double>().array());
   }
@@ -30,7 +31,7 @@ NeighbourFinder::NeighbourFinder(const PointCloud& cloud, float radius)
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (cloud.point(i).allFinite()) sorted.emplace_back(key(cloud.point(i)), static_cast<std::uint32_t>(i));
   }
-  std::sort(sorted.begin(), sorted.end());
+  radix_sort(&sorted);
   keys_.reserve(sorted.size());
   order_.reserve(sorted.size());
   for (const auto& [cube, index] : sorted) {

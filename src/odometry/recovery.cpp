@@ -23,7 +23,7 @@ constexpr std::size_t kMaxNodes = 20000;  // of a search: some tenths of a secon
 /// A part of the map made ready to be searched, and all that it depends on.
 struct PlaceFinder::Target {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double radius = 0, voxel = 0;
+  double source_radius = 0, radius = 0, voxel = 0;
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   std::vector<std::pair<std::int64_t, Pose>> places;
   CloudDescription description;
@@ -32,8 +32,8 @@ struct PlaceFinder::Target {
     const auto same = [](const auto& place, const ArchivedKeyframe& k) {
       return place.first == k.utime && place.second.matrix() == k.map_from_body.matrix();
     };
-    return centre == request.target_centre && radius == request.radius && voxel == request.voxel &&
-           up == request.up &&
+    return centre == request.target_centre && source_radius == request.source_radius &&
+           radius == request.radius && voxel == request.voxel && up == request.up &&
            std::equal(places.begin(), places.end(), request.places.begin(), request.places.end(), same);
   }
 };
@@ -53,6 +53,7 @@ const PlaceFinder::Target& PlaceFinder::target(const RecoveryRequest& request, c
   if (targets_.size() == kTargets) targets_.erase(targets_.begin());
   Target target;
   target.centre = request.target_centre;
+  target.source_radius = request.source_radius;
   target.radius = request.radius;
   target.voxel = request.voxel;
   target.up = request.up;

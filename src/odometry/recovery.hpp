@@ -28,9 +28,9 @@ struct RecoveryRequest {
   double voxel = 0;                                         ///< metres, of both
   double tilt = 0;                                          ///< radians: how well attitudes are known
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();            ///< in the map frame
-  /// The z axis of the body, axes of the predicted map frame: at its place it is one of these, axes of the
-  /// map. None where up is measured.
+  /// The z axis of the body, axes of the predicted map frame.
   Eigen::Vector3d body_up = Eigen::Vector3d::UnitZ();
+  /// What it may be at its place, axes of the map, unit; empty where up is measured.
   std::vector<Eigen::Vector3d> stands;
   /// Up as an attitude sensor measured it, axes of the predicted map frame: goes for slopes on which the
   /// robot never stood, too.

@@ -170,7 +170,9 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     return;
   }
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
-  const bool seconded = is_earlier_find(answer.map_from_predicted);
+  const bool seconded = std::any_of(earlier_finds_.begin(), earlier_finds_.end(), [&](const Pose& other) {
+    return agree(other, answer.map_from_predicted, kSamePlace, kSameHeading);
+  });
   std::vector<Pose> places = rivals_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
   earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);
@@ -190,28 +192,24 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
 /// Earlier finds are rivals too, and what could not be decided before: a few matches more or less do not
 /// decide it.
 std::vector<Pose> Relocation::rivals_of(const RecoveryAnswer& answer) const {
-  const Pose& predicted = excursion_->state().pose;
   std::vector<Pose> rivals;
-  const auto is_there = [&](const Pose& place, const Pose& other) {
-    return near(other * predicted, place * predicted, kTakenPlace, kTakenHeading);
-  };
   for (const std::vector<Pose>& some : {undecided_, answer.rivals, earlier_finds_}) {
     for (const Pose& place : some) {
-      const bool taken = is_there(place, answer.map_from_predicted) ||
-                         std::any_of(rivals.begin(), rivals.end(),
-                                     [&](const Pose& other) { return is_there(place, other); });
+      const auto is_place = [&](const Pose& other) {
+        return agree(other, place, kTakenPlace, kTakenHeading);
+      };
+      const bool taken =
+          is_place(answer.map_from_predicted) || std::any_of(rivals.begin(), rivals.end(), is_place);
       if (!taken && rivals.size() + 1 < kMostPlaces) rivals.push_back(place);
     }
   }
   return rivals;
 }
 
-/// Whether a search of this excursion had it for the likeliest place already.
-bool Relocation::is_earlier_find(const Pose& map_from_predicted) const {
+/// Whether two corrections put the robot to the same place.
+bool Relocation::agree(const Pose& a, const Pose& b, double metres, double radians) const {
   const Pose& predicted = excursion_->state().pose;
-  return std::any_of(earlier_finds_.begin(), earlier_finds_.end(), [&](const Pose& other) {
-    return near(other * predicted, map_from_predicted * predicted, kSamePlace, kSameHeading);
-  });
+  return near(a * predicted, b * predicted, metres, radians);
 }
 
 void Relocation::propose_here() {

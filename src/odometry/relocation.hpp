@@ -76,7 +76,7 @@ class Relocation {
   void refuse(const std::string& why);
   void follow_excursion(Odometer& odometer) const;
   std::vector<Pose> rivals_of(const RecoveryAnswer& answer) const;
-  bool is_earlier_find(const Pose& map_from_predicted) const;
+  bool agree(const Pose& a, const Pose& b, double metres, double radians) const;
   Recovery recovery_of(const RecoveryAnswer& answer) const;
 
   TrackerConfig config_;
@@ -88,7 +88,7 @@ class Relocation {
   double gate_m_ = 0, gate_rad_ = 0;  ///< how far the prediction may be off where the excursion began
   double energy_before_ = 1;
   std::optional<Candidate> candidate_;
-  std::vector<Pose> earlier_finds_;  ///< of this excursion, the newest first
+  std::vector<Pose> earlier_finds_;  ///< likeliest places of this excursion's searches, the newest first
   std::vector<Pose> undecided_;      ///< places that fitted its scans alike
   PlaceSearch search_;
   std::optional<Recovery> ended_;

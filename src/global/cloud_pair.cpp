@@ -1,0 +1,121 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "global/cloud_pair.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/rigid_fit.hpp"
+#include "global/attitude_search.hpp"
+#include "global/cpu_clock.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr int kGuidedLambda = 10;
+constexpr double kHopeless = 0.5;            // contradiction, before the refinement
+constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
+constexpr int kRounds = 8;
+constexpr double kStillFits = 0.95;  // of the overlap
+
+}  // namespace
+
+CloudPair::CloudPair(const CloudDescription& source, const CloudDescription& target, double epsilon,
+                     bool judged)
+    : source_(source), target_(target), epsilon_(epsilon), judged_(judged) {
+  for (std::size_t i = 0; i < source.points.size(); ++i) centre_ += source.points.point(i).cast<double>();
+  if (!source.points.empty()) centre_ /= static_cast<double>(source.points.size());
+}
+
+double CloudPair::separation(const Pose& a, const Pose& b) const {
+  return scanlock::separation(a, b, centre_, epsilon_);
+}
+
+/// Of all keypoints, too ambiguous to search with. Once a pose is known, it tells the right ones: those that
+/// agree with it.
+const std::vector<SurfaceMatch>& CloudPair::all_matches() {
+  if (matches_.empty()) matches_ = match_surfaces(source_, target_, kGuidedLambda);
+  return matches_;
+}
+
+/// The pose that all matches near it crowd about. They count less the farther off they are (Welsch's
+/// weights), for what is within epsilon by chance is anywhere there.
+Pose CloudPair::middle_pose(Pose pose) {
+  const Eigen::Matrix3d level = level_rotation(pose.linear().col(2));
+  for (int round = 0; round < kRounds; ++round) {
+    const double scale = std::max(kCrowd, 1.0 - kCrowd * round) * epsilon_;
+    PairSums sums;
+    int near = 0;
+    for (const SurfaceMatch& m : all_matches()) {
+      const double squared = (pose * m.p - m.q).squaredNorm();
+      if (squared > kReach * kReach * scale * scale) continue;
+      sums.add(std::exp(-squared / (2 * scale * scale)), m.p, level * m.q);
+      ++near;
+    }
+    if (near < kFewestMatches) break;
+    pose = level.transpose() * level_fit(sums);
+  }
+  return pose;
+}
+
+/// The pose near it at which the surfaces of all matches meet. (Not for callers who judge: what they make of
+/// the poses was settled with middle_pose().)
+Pose CloudPair::surface_pose(const Pose& pose) {
+  return fit_surfaces(all_matches(), pose, centre_, epsilon_);
+}
+
+/// Keeps the start when the clouds would carry the pose away from it: that is no refinement.
+Pose CloudPair::refined(const Pose& start, std::uint32_t* degenerate_axes) {
+  if (!index_) {
+    index_.emplace(target_.points);
+    index_->prepare_normals();
+  }
+  CloudAlignmentOptions alignment;
+  alignment.nu_max = epsilon_;
+  alignment.nu_min = std::max(index_->point_nu_min(), index_->plane_nu_min());
+  for (const char* method : {"robust-icp-plane", "robust-icp"}) {
+    const CloudAlignment aligned =
+        align_clouds(source_.points, *index_, start, *find_cloud_method(method), alignment);
+    *degenerate_axes = aligned.degenerate_axes;
+    if (separation(aligned.target_from_source, start) < 1) return aligned.target_from_source;
+  }
+  return start;
+}
+
+Hypothesis CloudPair::examine(const Pose& pose, int consensus, bool first) {
+  CpuClock clock;
+  Hypothesis hypothesis;
+  hypothesis.consensus = consensus;
+  hypothesis.start = hypothesis.refined = judged_ ? surface_pose(pose) : middle_pose(pose);
+  matching_ms_ += clock.lap();
+  compare_clouds(first, &hypothesis);
+  refinement_ms_ += clock.lap();
+  return hypothesis;
+}
+
+void CloudPair::compare_clouds(bool first, Hypothesis* hypothesis) {
+  if (!source_check_) source_check_.emplace(source_.points, source_.voxel);
+  if (!target_check_) target_check_.emplace(target_.points, target_.voxel);
+  if (!first) hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->start);
+  if (!first && hypothesis->fit.contradiction >= kHopeless) return;
+  hypothesis->refined = refined(hypothesis->start, &hypothesis->degenerate_axes);
+  hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->refined);
+  // Where surfaces leave a slide open, the clouds know more of it than the first matches did.
+  if (judged_)
+    hypothesis->start =
+        surface_pose(levelled(hypothesis->refined, hypothesis->start.linear().col(2), centre_));
+}
+
+bool CloudPair::slides(const Hypothesis& hypothesis) const {
+  const Eigen::Vector3d step =
+      kRivalEpsilons * epsilon_ * (hypothesis.refined.linear() * source_check_->loose_direction());
+  const auto fits = [&](const Eigen::Vector3d& shift) {
+    Pose shifted = hypothesis.refined;
+    shifted.translation() += shift;
+    const CloudFit fit = compare(*source_check_, *target_check_, shifted);
+    return fit.overlap >= kStillFits * hypothesis.fit.overlap && fit.contradiction <= kClearContradiction;
+  };
+  return fits(step) || fits(-step);
+}
+
+}  // namespace scanlock

@@ -1,0 +1,59 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "geometry/rigid.hpp"
+#include "global/cloud_check.hpp"
+#include "global/cloud_description.hpp"
+#include "global/hypothesis.hpp"
+#include "global/surface_fit.hpp"
+#include "icp/cloud_alignment.hpp"
+
+namespace scanlock {
+
+/// Two described clouds, and what they say of a pose between them. All that this takes is made ready once,
+/// when it is first needed.
+class CloudPair {
+ public:
+  /// The clouds must outlive this object. `epsilon`: metres, of a match that agrees. `judged`: the clouds
+  /// decide, see CloudRegistrationOptions.
+  CloudPair(const CloudDescription& source, const CloudDescription& target, double epsilon, bool judged);
+
+  /// A pose made precise, first with all matches, then with the clouds, and the clouds compared. One that
+  /// they contradict from the start is not refined, unless it is the `first`.
+  Hypothesis examine(const Pose& pose, int consensus, bool first);
+
+  /// Whether the clouds fit about as well a little farther on: a tunnel is alike along all its length, and
+  /// the rings of a scanner move along with it. Takes a hypothesis that was examined.
+  bool slides(const Hypothesis& hypothesis) const;
+
+  /// How far apart two poses put the source, as a share of what counts as another pose.
+  double separation(const Pose& a, const Pose& b) const;
+  const Eigen::Vector3d& centre() const { return centre_; }  ///< of the source, metres
+
+  double matching_ms() const { return matching_ms_; }  ///< CPU, so far
+  double refinement_ms() const { return refinement_ms_; }
+
+ private:
+  const std::vector<SurfaceMatch>& all_matches();
+  Pose middle_pose(Pose pose);
+  Pose surface_pose(const Pose& pose);
+  Pose refined(const Pose& start, std::uint32_t* degenerate_axes);
+  void compare_clouds(bool first, Hypothesis* hypothesis);
+
+  const CloudDescription &source_, &target_;
+  double epsilon_;
+  bool judged_;
+  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();
+  std::vector<SurfaceMatch> matches_;
+  std::optional<CloudTarget> index_;
+  std::optional<CloudCheck> source_check_, target_check_;
+  double matching_ms_ = 0, refinement_ms_ = 0;
+};
+
+}  // namespace scanlock
