@@ -263,7 +263,7 @@ PointCloud average_by_voxel(const PointCloud& cloud, float size) {
 
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& indices) {
   PointCloud result;
-  const auto pick = [&](const std::vector<float>& from, std::vector<float>* to) {
+  const auto pick = [&](const auto& from, auto* to) {
     if (from.empty()) return;
     to->resize(indices.size());
     for (std::size_t i = 0; i < indices.size(); ++i) (*to)[i] = from[indices[i]];
@@ -276,6 +276,7 @@ PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& ind
   pick(cloud.nz, &result.nz);
   pick(cloud.intensity, &result.intensity);
   pick(cloud.time, &result.time);
+  pick(cloud.eyes, &result.eyes);
   return result;
 }
 

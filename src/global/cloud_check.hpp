@@ -8,6 +8,7 @@
 
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
+#include "global/seen_space.hpp"
 #include "search/kd_tree.hpp"
 
 namespace scanlock {
@@ -20,7 +21,8 @@ struct CloudFit {
   double overlap = 0;
   double residual = 0;  ///< metres: median distance of those that are near any surface to its plane
   /// Of the points that lie on a surface of the other cloud or in space that its rays crossed, the share of
-  /// the latter. Of the two directions the worse one.
+  /// the latter. Of the two directions the worse one. What moves leaves points that other rays of its own
+  /// cloud crossed, and contradicts nothing.
   double contradiction = 0;
   double least_overlap = 0;  ///< as overlap, of the two directions the worse one
 };
@@ -28,14 +30,15 @@ struct CloudFit {
 /// A described cloud made ready to be compared with others.
 class CloudCheck {
  public:
-  /// `cloud`: thinned by `voxel` (metres), with normals, its origin the place of its sensor, or of one of
-  /// them. Must outlive this object.
+  /// `cloud`: thinned by `voxel` (metres), with normals and where it was seen from. Must outlive this object.
   CloudCheck(const PointCloud& cloud, double voxel);
 
   /// The horizontal direction, in the cloud's frame, that its surfaces hold the least.
   Eigen::Vector3d loose_direction() const;
 
   friend CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source);
+  friend CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
+                         std::size_t count);
 
  private:
   struct OneWay {
@@ -44,18 +47,17 @@ class CloudCheck {
   };
   static OneWay one_way(const CloudCheck& from, const CloudCheck& to, const Pose& to_from_from);
 
-  /// Marks what the rays from the origin to the points crossed.
-  void trace_rays();
-  bool is_free(const Eigen::Vector3f& p) const;
-  Eigen::Array3i cell(const Eigen::Vector3f& p) const;
-  std::ptrdiff_t index(const Eigen::Array3i& cell) const;  // -1: outside
-
   const PointCloud& cloud_;
   float voxel_;
   KdTree tree_;
   std::vector<std::uint32_t> samples_;
-  Eigen::Array3i low_ = Eigen::Array3i::Zero(), size_ = Eigen::Array3i::Zero();  // cells: the box of free_
-  std::vector<bool> free_;
+  std::vector<bool> moved_;  // of the samples: the cloud's own rays went through later, or before
+  SeenSpace space_;
 };
+
+/// Overlap and contradiction alone, from some `count` points of the source and give or take two voxels: the
+/// contradiction of neither direction but this.
+CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
+                std::size_t count);
 
 }  // namespace scanlock

@@ -47,10 +47,10 @@ struct CloudDescription {
 /// for shapes, coarse enough for equal density near and far. 0 for a cloud without extent.
 double description_voxel(const PointCloud& cloud);
 
-/// Describes a cloud whose z axis points up. Unless it brings normals, the sensor is taken to be at its
-/// origin. Descriptions are to be matched with others of the same voxel and options. Deterministic, and
-/// independent of the order of the points but for ties. Throws std::invalid_argument for options out of
-/// range.
+/// Describes a cloud whose z axis points up. Unless it brings normals, they look to where its
+/// points were seen from. Descriptions are to be matched with others of the same voxel and options.
+/// Deterministic, and independent of the order of the points but for ties. Throws std::invalid_argument for
+/// options out of range.
 CloudDescription describe(const PointCloud& cloud, const DescriptionOptions& options = {});
 
 /// Candidate correspondences: keypoints each among the `lambda` nearest of the other by descriptor.

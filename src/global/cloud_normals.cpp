@@ -28,7 +28,7 @@ Eigen::Vector3f normal_at(const PointCloud& cloud, const NeighbourFinder::Neighb
   solver.computeDirect(moment / count - mean * mean.transpose());
   if (!(solver.eigenvalues()[1] > 1e-9 * solver.eigenvalues()[2])) return Eigen::Vector3f::Zero();
   const Eigen::Vector3f normal = solver.eigenvectors().col(0).cast<float>();
-  return normal.dot(centre) > 0 ? Eigen::Vector3f(-normal) : normal;
+  return normal.dot(centre - cloud.eye(i)) > 0 ? Eigen::Vector3f(-normal) : normal;
 }
 
 }  // namespace

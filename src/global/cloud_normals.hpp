@@ -6,8 +6,8 @@
 
 namespace scanlock {
 
-/// The unit normal of each point from the neighbours within `radius` metres, looking towards the origin,
-/// where the sensor is; zero where there are fewer than five or they span no plane. Normals that the cloud
+/// The unit normal of each point from the neighbours within `radius` metres, looking towards the
+/// sensor that saw it; zero where there are fewer than five or they span no plane. Normals that the cloud
 /// brings are made unit and kept.
 void add_normals(PointCloud* cloud, float radius);
 

@@ -17,7 +17,7 @@ namespace scanlock {
 namespace {
 
 constexpr double kEpsilonOfVoxel = 0.75;
-constexpr double kStrongOverlap = 0.55, kStrongLeastOverlap = 0.45, kStrongContradiction = 0.03;
+constexpr double kStrongOverlap = 0.55, kStrongLeastOverlap = 0.45;
 constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
 constexpr double kSomeOverlap = 0.3;
 constexpr double kNoRival = 2;  // consensus over what the runner-up may have
@@ -28,7 +28,7 @@ constexpr int kPeels = 4, kProposals = 8;
 constexpr double kPeeled = 2;           // epsilons
 constexpr double kOutOfQuestion = 0.4;  // of the score: so much behind the best proposal
 constexpr double kFarAhead = 1.6;       // consensus over what the runner-up may have
-constexpr double kImpossible = 0.1;     // contradiction: right poses hardly ever have more than 0.065
+constexpr double kImpossible = 0.03;    // contradiction: right poses hardly ever have more than 0.01
 constexpr std::size_t kManyKeypoints = 300;
 
 bool is_good(const Hypothesis& hypothesis) {
@@ -194,10 +194,9 @@ void Registrar::judge() {
     rival = rival || !clearly_worse(h.fit, best->fit);
   }
   const CloudFit& fit = best->fit;
-  const bool clear = first && s.consensus >= kClearMargin * s.runner_up_bound &&
-                     (fit.contradiction <= kClearContradiction || fit.least_overlap >= kStrongOverlap);
-  const bool strong = first && fit.contradiction <= kStrongContradiction && fit.overlap >= kStrongOverlap &&
-                      fit.least_overlap >= kStrongLeastOverlap;
+  const bool sound = first && fit.contradiction <= kClearContradiction;
+  const bool clear = sound && s.consensus >= kClearMargin * s.runner_up_bound;
+  const bool strong = sound && fit.overlap >= kStrongOverlap && fit.least_overlap >= kStrongLeastOverlap;
   if (!confirmed(best->fit, source_.voxel)) {
     result_.why = "the clouds do not confirm any pose: " + numbers();
   } else if (rival) {

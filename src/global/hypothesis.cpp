@@ -9,11 +9,11 @@
 namespace scanlock {
 namespace {
 
-constexpr double kLeastOverlap = 0.3, kMostContradiction = 0.09;
+constexpr double kLeastOverlap = 0.3, kMostContradiction = 0.03;
 constexpr double kMostResidual = 0.18;       // voxels
-constexpr double kPriceOfContradiction = 2;  // of overlap
+constexpr double kPriceOfContradiction = 4;  // of overlap
 constexpr double kRivalOverlap = 0.75;       // of the best pose's
-constexpr double kRefuted = 0.12;            // contradiction
+constexpr double kRefuted = 0.06;            // contradiction
 
 }  // namespace
 

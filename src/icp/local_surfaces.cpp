@@ -82,11 +82,9 @@ Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int co
   return surface;
 }
 
-void LocalSurfaces::reset(const PointCloud& cloud, const KdForest& tree, float radius,
-                          const std::vector<Eigen::Vector3f>* eyes) {
+void LocalSurfaces::reset(const PointCloud& cloud, const KdForest& tree, float radius) {
   cloud_ = &cloud;
   tree_ = &tree;
-  eyes_ = eyes;
   radius_ = radius;
   surfaces_.assign(cloud.size(), Surface{});
   fitted_.assign(cloud.size(), 0);
@@ -117,7 +115,7 @@ void LocalSurfaces::prepare(const std::vector<std::int32_t>& indices, int thread
         if (!stands_alone(*cloud_, surface, neighbours, count, more, wide))
           surface = fit_surface(*cloud_, neighbours, count);
       }
-      if (eyes_ && !surface.line) surface.weight *= edge_on_weight(surface, (*eyes_)[at]);
+      if (cloud_->has_eyes() && !surface.line) surface.weight *= edge_on_weight(surface, cloud_->eyes[at]);
       surfaces_[at] = surface;
     }
   });

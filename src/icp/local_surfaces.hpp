@@ -29,10 +29,9 @@ class LocalSurfaces {
 
   /// Forgets all fits. Cloud and tree (of that cloud) must outlive this object's use; `radius`: neighbours
   /// farther than this many metres do not count.
-  /// `eyes`, if any, are the places that the points were seen from, and must outlive the use too: planes that
-  /// were seen edge-on then weigh less, for most of them are the fan of a beam and no part of the scene.
-  void reset(const PointCloud& cloud, const KdForest& tree, float radius,
-             const std::vector<Eigen::Vector3f>* eyes = nullptr);
+  /// Where the cloud has eyes, planes that were seen edge-on weigh less, for most of them are the fan of a
+  /// beam and no part of the scene.
+  void reset(const PointCloud& cloud, const KdForest& tree, float radius);
 
   /// The cloud has grown at its end; the fits of what was there stay.
   void grow();
@@ -47,7 +46,6 @@ class LocalSurfaces {
  private:
   const PointCloud* cloud_ = nullptr;
   const KdForest* tree_ = nullptr;
-  const std::vector<Eigen::Vector3f>* eyes_ = nullptr;
   float radius_ = 0;
   std::vector<Surface> surfaces_;
   std::vector<std::uint8_t> fitted_;

@@ -85,7 +85,9 @@ PointCloud Excursion::submap(double radius, Eigen::Vector3d& centre) const {
   PointCloud near;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3f p = cloud.point(i) - here;
-    if (p.head<2>().squaredNorm() < static_cast<float>(radius * radius)) near.push_back(p);
+    if (!(p.head<2>().squaredNorm() < static_cast<float>(radius * radius))) continue;
+    near.push_back(p);
+    near.eyes.push_back(cloud.eyes[i] - here);
   }
   return near;
 }

@@ -122,7 +122,9 @@ PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const E
     const Eigen::Vector3f translation = offset.cast<float>();
     for (std::size_t i = 0; i < k.points->size(); ++i) {
       const Eigen::Vector3f p = rotation * k.points->point(i) + translation;
-      if (p.head<2>().squaredNorm() < radius2) all.push_back(p);
+      if (!(p.head<2>().squaredNorm() < radius2)) continue;
+      all.push_back(p);
+      all.eyes.push_back(translation);
     }
   }
   return select(all, thin_by_voxel(all, static_cast<float>(voxel)));

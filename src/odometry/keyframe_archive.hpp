@@ -67,8 +67,8 @@ class KeyframeArchive {
 std::vector<Eigen::Vector3d> stands_around(const std::vector<ArchivedKeyframe>& keyframes,
                                            const Eigen::Vector3d& centre, double radius);
 
-/// What was seen within `radius` metres (horizontally) of `centre` (map frame), thinned to `voxel` metres:
-/// axes of the map, coordinates relative to `centre`.
+/// What was seen within `radius` metres (horizontally) of `centre` (map frame), and where from, thinned to
+/// `voxel` metres: axes of the map, coordinates relative to `centre`.
 PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const Eigen::Vector3d& centre,
                          double radius, double voxel);
 

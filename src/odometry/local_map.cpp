@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "geometry/moved_cloud.hpp"
 #include "geometry/voxel_grid.hpp"
 
 namespace scanlock {
@@ -29,10 +30,9 @@ void LocalMap::clear() {
   keyframes_.clear();
   cloud_ = {};
   owner_.clear();
-  eyes_.clear();
   taken_.clear();
   tree_.rebuild(cloud_);
-  surfaces_.reset(cloud_, tree_, 1.0f, &eyes_);
+  surfaces_.reset(cloud_, tree_, 1.0f);
 }
 
 void LocalMap::insert(Keyframe keyframe, double voxel) {
@@ -48,7 +48,7 @@ void LocalMap::insert(Keyframe keyframe, double voxel) {
   add_novel_points(keyframes_.back());
   if (rebuild) {
     tree_.rebuild(cloud_);
-    surfaces_.reset(cloud_, tree_, static_cast<float>(4.0 * voxel), &eyes_);
+    surfaces_.reset(cloud_, tree_, static_cast<float>(4.0 * voxel));
   } else {
     tree_.grow(cloud_);
     surfaces_.grow();
@@ -82,20 +82,14 @@ void LocalMap::forget(const Eigen::Vector3d& here) {
     keyframes_.pop_front();
   }
 
-  std::size_t to = 0;
-  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+  std::vector<std::uint32_t> stay, owners;
+  for (std::uint32_t i = 0; i < cloud_.size(); ++i) {
     if (!kept.count(owner_[i])) continue;
-    cloud_.x[to] = cloud_.x[i];
-    cloud_.y[to] = cloud_.y[i];
-    cloud_.z[to] = cloud_.z[i];
-    eyes_[to] = eyes_[i];
-    owner_[to++] = owner_[i];
+    stay.push_back(i);
+    owners.push_back(owner_[i]);
   }
-  cloud_.x.resize(to);
-  cloud_.y.resize(to);
-  cloud_.z.resize(to);
-  owner_.resize(to);
-  eyes_.resize(to);
+  cloud_ = select(cloud_, stay);
+  owner_ = std::move(owners);
 }
 
 void LocalMap::move_origin(const Eigen::Vector3d& here) {
@@ -108,7 +102,7 @@ void LocalMap::move_origin(const Eigen::Vector3d& here) {
     cloud_.x[i] += shift.x();
     cloud_.y[i] += shift.y();
     cloud_.z[i] += shift.z();
-    eyes_[i] += shift;
+    cloud_.eyes[i] += shift;
   }
 }
 
@@ -128,18 +122,12 @@ void LocalMap::add_novel_points(const Keyframe& keyframe) {
     if (!taken_.insert(voxel_key(p, inverse_voxel))) continue;
     cloud_.push_back(p);
     owner_.push_back(keyframe.id);
-    eyes_.push_back(translation);
+    cloud_.eyes.push_back(translation);
   }
 }
 
 PointCloud LocalMap::snapshot() const {
-  PointCloud result = cloud_;
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    result.x[i] += static_cast<float>(origin_.x());
-    result.y[i] += static_cast<float>(origin_.y());
-    result.z[i] += static_cast<float>(origin_.z());
-  }
-  return result;
+  return moved(cloud_, Pose(Eigen::Translation3d(origin_)));
 }
 
 }  // namespace scanlock

@@ -44,7 +44,7 @@ class LocalMap {
   bool empty() const { return keyframes_.empty(); }
   const std::deque<Keyframe>& keyframes() const { return keyframes_; }
   std::size_t size() const { return cloud_.size(); }
-  /// All points, relative to origin().
+  /// All points and where they were seen from, relative to origin().
   const PointCloud& cloud() const { return cloud_; }
 
   /// Where the floats count from, map frame.
@@ -64,10 +64,9 @@ class LocalMap {
   LocalMapLimits limits_;
   std::deque<Keyframe> keyframes_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
-  PointCloud cloud_;                   ///< relative to origin_
-  std::vector<std::uint32_t> owner_;   ///< id of the keyframe that each point came with
-  std::vector<Eigen::Vector3f> eyes_;  ///< where each point was seen from, relative to origin_
-  double voxel_ = 0;                   ///< metres, of the grid that `taken_` is of
+  PointCloud cloud_;                  ///< relative to origin_
+  std::vector<std::uint32_t> owner_;  ///< id of the keyframe that each point came with
+  double voxel_ = 0;                  ///< metres, of the grid that `taken_` is of
   VoxelSet taken_;
   KdForest tree_;
   LocalSurfaces surfaces_;

@@ -76,9 +76,9 @@ TEST_CASE("a plane seen edge-on hardly counts") {
   KdForest tree;
   tree.rebuild(fan);
   const auto weight_from = [&](float height) {
-    const std::vector<Eigen::Vector3f> eyes(fan.size(), {0, 0, height});
+    fan.eyes.assign(fan.size(), {0, 0, height});
     LocalSurfaces surfaces;
-    surfaces.reset(fan, tree, 1, &eyes);
+    surfaces.reset(fan, tree, 1);
     surfaces.prepare({55}, 1);
     return surfaces.at(55).weight;
   };

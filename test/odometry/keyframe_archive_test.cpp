@@ -68,6 +68,7 @@ TEST_CASE("a submap joins the places around a centre in the axes of the map") {
   const std::size_t first = submap.x[0] < 2 ? 0 : 1;
   CHECK(submap.point(first).isApprox(Eigen::Vector3f(0, 1, 0.5f), 1e-5f));
   CHECK(submap.point(1 - first).isApprox(Eigen::Vector3f(4, 0, 0.5f), 1e-5f));
+  CHECK(submap.eye(first) != submap.eye(1 - first));
 }
 
 TEST_CASE("the ways in which the body stood are kept with the nearest place a few degrees apart") {

@@ -1,0 +1,99 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "global/cloud_check.hpp"
+
+#include <doctest/doctest.h>
+
+#include "global/cloud_normals.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr float kVoxel = 0.2f;
+
+/// Upright, from one corner to the other, 2.4 m high about the height of the sensor, which stands at `eye`.
+void add_wall(const Eigen::Vector2f& from, const Eigen::Vector2f& to, const Eigen::Vector3f& eye,
+              PointCloud* cloud) {
+  const int steps = static_cast<int>((to - from).norm() / kVoxel);
+  for (int k = 0; k <= steps; ++k) {
+    const Eigen::Vector2f p = from + (to - from) * (static_cast<float>(k) / static_cast<float>(steps));
+    for (float z = -1.2f; z < 1.3f; z += kVoxel) {
+      cloud->push_back(p.x(), p.y(), z);
+      cloud->eyes.push_back(eye);
+    }
+  }
+}
+
+/// 8 m by 6 m, or 4 m with a wall across.
+PointCloud half_room(const Eigen::Vector3f& eye) {
+  PointCloud cloud;
+  add_wall({0, -3}, {4, -3}, eye, &cloud);
+  add_wall({4, -3}, {4, 3}, eye, &cloud);
+  add_wall({4, 3}, {0, 3}, eye, &cloud);
+  add_wall({0, 3}, {0, -3}, eye, &cloud);
+  return cloud;
+}
+
+PointCloud room(const Eigen::Vector3f& eye) {
+  PointCloud cloud;
+  add_wall({-4, -3}, {4, -3}, eye, &cloud);
+  add_wall({4, -3}, {4, 3}, eye, &cloud);
+  add_wall({4, 3}, {-4, 3}, eye, &cloud);
+  add_wall({-4, 3}, {-4, -3}, eye, &cloud);
+  return cloud;
+}
+
+CloudFit fit(PointCloud source, PointCloud target) {
+  add_normals(&source, 2.5f * kVoxel);
+  add_normals(&target, 2.5f * kVoxel);
+  const CloudCheck s(source, static_cast<double>(kVoxel)), t(target, static_cast<double>(kVoxel));
+  return compare(s, t, Pose::Identity());
+}
+
+}  // namespace
+
+TEST_CASE("a wall that the other cloud's rays went through contradicts") {
+  const Eigen::Vector3f left(-2, 0, 0), right(2, 0, 0);
+  const CloudFit same = fit(room(left), room(right));
+  CHECK(same.overlap > 0.95);
+  CHECK(same.contradiction == 0);
+  CHECK(fit(half_room(right), room(left)).contradiction > 0.1);
+  CHECK(fit(room(left), half_room(right)).contradiction > 0.1);
+}
+
+TEST_CASE("what its own cloud saw through has moved, and contradicts nothing") {
+  const Eigen::Vector3f left(-2, 0, 0), right(2, 0, 0);
+  const PointCloud before = half_room(right), after = room(left);  // somebody stood in the way
+  PointCloud both = before;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    both.push_back(after.point(i));
+    both.eyes.push_back(left);
+  }
+  CHECK(fit(before, after).contradiction > 0.1);
+  CHECK(fit(both, after).contradiction < 0.01);
+  CHECK(fit(after, both).contradiction < 0.01);
+}
+
+TEST_CASE("a glance sees about what a comparison sees") {
+  const Eigen::Vector3f left(-2, 0, 0), right(2, 0, 0);
+  PointCloud source = room(left), target = room(right);
+  add_normals(&source, 2.5f * kVoxel);
+  add_normals(&target, 2.5f * kVoxel);
+  const CloudCheck s(source, static_cast<double>(kVoxel)), t(target, static_cast<double>(kVoxel));
+  CHECK(glance(s, t, Pose::Identity(), 200).overlap > 0.95);
+  CHECK(glance(s, t, Pose::Identity(), 200).contradiction == 0);
+  Pose turned = Pose::Identity();
+  turned.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  CHECK(glance(s, t, turned, 200).overlap < 0.6);
+  CHECK(glance(s, t, turned, 200).contradiction > 0.1);
+}
+
+TEST_CASE("clouds of nothing fit nothing") {
+  PointCloud nothing = room({0, 0, 0}), empty;
+  add_normals(&nothing, 0.5f);
+  const CloudCheck some(nothing, 0.2), none(empty, 0.2);
+  CHECK(compare(some, none, Pose::Identity()).overlap == 0);
+  CHECK(glance(none, some, Pose::Identity(), 10).overlap == 0);
+}
+
+}  // namespace scanlock
