@@ -8,6 +8,7 @@
 #include "geometry/rigid_fit.hpp"
 #include "global/attitude_search.hpp"
 #include "global/cpu_clock.hpp"
+#include "global/surface_poses.hpp"
 
 namespace scanlock {
 namespace {
@@ -93,9 +94,22 @@ Hypothesis CloudPair::examine(const Pose& pose, int consensus, bool first) {
   return hypothesis;
 }
 
-void CloudPair::compare_clouds(bool first, Hypothesis* hypothesis) {
+std::vector<Pose> CloudPair::likely_poses(const std::vector<Eigen::Vector3d>& ups, std::size_t count) {
+  CpuClock clock;
+  index_clouds();
+  std::vector<Pose> poses =
+      surface_poses(all_matches(), *source_check_, *target_check_, ups, centre_, epsilon_, count);
+  matching_ms_ += clock.lap();
+  return poses;
+}
+
+void CloudPair::index_clouds() {
   if (!source_check_) source_check_.emplace(source_.points, source_.voxel);
   if (!target_check_) target_check_.emplace(target_.points, target_.voxel);
+}
+
+void CloudPair::compare_clouds(bool first, Hypothesis* hypothesis) {
+  index_clouds();
   if (!first) hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->start);
   if (!first && hypothesis->fit.contradiction >= kHopeless) return;
   hypothesis->refined = refined(hypothesis->start, &hypothesis->degenerate_axes);

@@ -28,6 +28,10 @@ class CloudPair {
   /// they contradict from the start is not refined, unless it is the `first`.
   Hypothesis examine(const Pose& pose, int consensus, bool first);
 
+  /// Poses that the clouds hold for likely, see surface_poses(): to be examined. `ups`: directions of the
+  /// target's frame that may be the source's z axis; empty: z.
+  std::vector<Pose> likely_poses(const std::vector<Eigen::Vector3d>& ups, std::size_t count);
+
   /// Whether the clouds fit about as well a little farther on: a tunnel is alike along all its length, and
   /// the rings of a scanner move along with it. Takes a hypothesis that was examined.
   bool slides(const Hypothesis& hypothesis) const;
@@ -44,6 +48,7 @@ class CloudPair {
   Pose middle_pose(Pose pose);
   Pose surface_pose(const Pose& pose);
   Pose refined(const Pose& start, std::uint32_t* degenerate_axes);
+  void index_clouds();
   void compare_clouds(bool first, Hypothesis* hypothesis);
 
   const CloudDescription &source_, &target_;

@@ -25,10 +25,11 @@ constexpr int kPreciseMatches = 24;
 // Who draws long enough finds what looks right: later match sets have to pass both tests.
 constexpr int kPlainAttempts = 2;
 constexpr int kPeels = 4, kProposals = 8;
-constexpr double kPeeled = 2;           // epsilons
-constexpr double kOutOfQuestion = 0.4;  // of the score: so much behind the best proposal
-constexpr double kFarAhead = 1.6;       // consensus over what the runner-up may have
-constexpr double kImpossible = 0.03;    // contradiction: right poses hardly ever have more than 0.01
+constexpr std::size_t kFewAttitudes = 4;  // more take too long with every match
+constexpr double kPeeled = 2;             // epsilons
+constexpr double kOutOfQuestion = 0.4;    // of the score: so much behind the best proposal
+constexpr double kFarAhead = 1.6;         // consensus over what the runner-up may have
+constexpr double kImpossible = 0.03;      // contradiction: right poses hardly ever have more than 0.01
 constexpr std::size_t kManyKeypoints = 300;
 
 bool is_good(const Hypothesis& hypothesis) {
@@ -218,7 +219,7 @@ void Registrar::judge() {
   }
 }
 
-/// The poses that the matches propose and the clouds do not rule out, the likeliest first.
+/// The poses that matches and clouds propose and the clouds do not rule out, the likeliest first.
 CloudRegistration Registrar::propose() {
   const Matches matches = match(source_, target_, options_.lambda);
   result_.solution = search(matches, true);
@@ -230,9 +231,13 @@ CloudRegistration Registrar::propose() {
   add_hypothesis(s.target_from_source, s.consensus);
   if (s.runner_up_consensus >= kFewestMatches) add_hypothesis(s.runner_up, s.runner_up_consensus);
   const Pose largest = hypotheses_.front().refined;
+  const bool few = options_.target_ups.size() <= kFewAttitudes;
+  if (few) {
+    for (const Pose& pose : clouds_.likely_poses(options_.target_ups, kProposals)) add_hypothesis(pose, 0);
+  }
   const bool clear = s.consensus >= kFarAhead * s.runner_up_bound && is_good(hypotheses_.front()) &&
                      std::none_of(hypotheses_.begin() + 1, hypotheses_.end(), is_good);
-  if (!clear) look_for_more(matches);
+  if (!few && !clear) look_for_more(matches);
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
                    [](const auto& a, const auto& b) { return score(a.fit) > score(b.fit); });
   const Hypothesis& best = hypotheses_.front();
