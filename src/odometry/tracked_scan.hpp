@@ -15,7 +15,9 @@ namespace scanlock {
 enum class TrackingState : std::int8_t {
   kInitialising = 0,  ///< no map yet
   kTracking = 1,      ///< aligned with the map
-  kDegraded = 2,    ///< aligned, but an axis is unobservable or data is missing; `degenerate_axes` says which
+  /// Aligned, but an axis is unobservable (`degenerate_axes` says which), or data is missing: scans, or most
+  /// of what a scan shows in the map.
+  kDegraded = 2,
   kRecovering = 3,  ///< the energy jumped: a global search runs, the pose is predicted
   kAmbiguous = 4,   ///< two places explain the scan equally well; no jump was made
   kLost = 5,        ///< no certified place; the pose is predicted, the map is frozen

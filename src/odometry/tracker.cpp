@@ -24,6 +24,7 @@ constexpr double kMoment = 0.35;  // seconds
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
 constexpr double kWithinReach = 0.08, kWithinTurn = 5.0 * kDegree;
+constexpr double kDegradedShare = 0.4;  // of the points of a scan: fewer are explained
 constexpr int kMostOpen = 20, kStillOpen = 5;
 constexpr int kQuietScans = 5;   // after that, before the map may grow
 constexpr int kAttitudes = 100;  // that the upward direction is averaged over
@@ -266,7 +267,8 @@ struct Tracker::State {
     tracked->state = reported_state();
     if (tracked->state == TrackingState::kTracking) {
       name_open_axes(tracked);
-      if (tracked->degenerate_axes != 0) tracked->state = TrackingState::kDegraded;
+      const bool little = tracked->inliers < kDegradedShare * tracked->points_used;
+      if (tracked->degenerate_axes != 0 || little) tracked->state = TrackingState::kDegraded;
     }
     tracked->epoch = epoch;
     tracked->map_from_body = odometer.state().pose;

@@ -117,6 +117,23 @@ TEST_CASE("a carried sensor is never reported as tracking a guess and the map fr
   CHECK((drive.pose(0).inverse() * drive.pose(15)).isApprox(back.map_from_body, 0.02));
 }
 
+TEST_CASE("a scan of which the map knows little is tracked, and said to be so") {
+  const Drive drive(at(0, 0, 0), twist(1, 0, 0));
+  Tracker tracker(TrackerConfig{});
+  tracker.track(drive.scan(0));
+  Scan crowd = drive.scan(1);  // all about the sensor, but for a quarter of the rays
+  for (std::size_t i = 0; i < crowd.points.size(); ++i) {
+    if (i % 4 == 0) continue;
+    const float nearer = 0.4f + 0.04f * static_cast<float>(i % 11);
+    for (auto* v : {&crowd.points.x, &crowd.points.y, &crowd.points.z}) (*v)[i] *= nearer;
+  }
+  const TrackedScan tracked = tracker.track(crowd);
+  CHECK(tracked.method == PoseMethod::kIcp);
+  CHECK(tracked.state == TrackingState::kDegraded);
+  CHECK(tracked.degenerate_axes == 0);
+  CHECK(tracker.track(drive.scan(2)).state == TrackingState::kTracking);
+}
+
 TEST_CASE("scans that cannot be tracked are named and leave the tracker usable") {
   const Drive drive(at(0, 0, 0), twist(1, 0, 0));
   Tracker tracker(TrackerConfig{});
