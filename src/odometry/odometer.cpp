@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "geometry/voxel_grid.hpp"
@@ -21,7 +22,11 @@ constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is bette
 constexpr double kFirstSigma = 0.03;
 constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on Gaussian residuals
 
-constexpr int kDeskewRounds = 6;  // at most
+constexpr int kDeskewRounds = 4;
+// A wrong velocity bends the first scan by half of its error, on average over the sweep, and the way to the
+// second one is wrong by the other half.
+constexpr double kBendShare = 2;
+constexpr double kClearlyLess = 0.9;  // of the cost
 
 constexpr double kLeastShare = 0.3;
 constexpr double kLeastOverlap = 0.25;
@@ -114,19 +119,50 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   first_.points = {};
   if (!again.fine.has_times()) return attempt;
   const Pose pose = last_keyframe_pose_;
-  const auto [from, to] = std::minmax_element(again.fine.time.begin(), again.fine.time.end());
-  const double sweep = static_cast<double>(*to) - *from;
+  const auto [earliest, latest] = std::minmax_element(again.fine.time.begin(), again.fine.time.end());
+  const double sweep = static_cast<double>(*latest) - *earliest;
   // A wrong velocity bends both scans alike, so that they fit each other still. The way from one stamp to the
   // next tells better, if the one scan ends about where the other begins.
   const bool gapless = sweep > 0.5 * dt && dt > 0.5 * sweep;
-  for (int round = 0; round < kDeskewRounds; ++round) {
+  const auto velocity = [&](const Attempt& a) -> Vector6 {
+    if (!gapless) return a.alignment.moving.twist;
+    return se3_log(pose.inverse() * a.alignment.moving.pose) / dt;
+  };
+  const auto start_and_align = [&](const Vector6& twist, const PreparedScan& points,
+                                   const MotionPrior& prior) {
     map_.clear();
-    Vector6 twist = attempt.alignment.moving.twist;
-    if (gapless) twist = se3_log(pose.inverse() * attempt.alignment.moving.pose) / dt;
     insert(first_.utime, again, {pose, twist});
-    attempt = align(scan, attempt.prior, Reach::kNear);
-  }
-  return attempt;
+    MotionPrior there = loosened(prior);
+    there.mean = {renormalised(pose * se3_exp(dt * twist)), twist};
+    Attempt result = align(points, there, Reach::kNear);
+    result.prior = prior;
+    return result;
+  };
+  const PreparedScan part = part_of(scan);  // will do for the way there
+  struct Guess {
+    Vector6 twist = Vector6::Zero();
+    double cost = std::numeric_limits<double>::infinity();
+    MotionPrior prior;
+  };
+  const auto settle = [&](const Attempt& begin) {
+    Guess best;
+    Vector6 twist = velocity(begin);
+    for (int round = 0; round < kDeskewRounds; ++round) {
+      const Attempt aligned = start_and_align(twist, part, begin.prior);
+      if (aligned.cost() < best.cost) best = {twist, aligned.cost(), begin.prior};
+      twist += (gapless ? kBendShare : 1.0) * (velocity(aligned) - twist);
+    }
+    return best;
+  };
+  Guess best = settle(attempt);
+  // A predicted velocity that is far off holds it: once more as if nothing was known of it.
+  MotionPrior standing = loosened(attempt.prior);
+  standing.mean = {pose, Vector6::Zero()};
+  map_.clear();
+  insert(first_.utime, again, standing.mean);
+  const Guess other = settle(align(part, standing, Reach::kFar));
+  if (other.cost < kClearlyLess * best.cost) best = other;
+  return start_and_align(best.twist, scan, best.prior);
 }
 
 double Odometer::inflation() const {

@@ -150,7 +150,7 @@ TEST_CASE("a saved map is found again by another run") {
 
 TEST_CASE("a robot that was carried onto a slope is found with an attitude sensor only") {
   const Drive drive{
-      60, at(-4, 1, 150 * kDegree) * se3_exp((Vector6() << 0, 0, 0, 10 * kDegree, 0, 0).finished())};
+      60, at(-4, 0, -150 * kDegree) * se3_exp((Vector6() << 0, 0, 0, 10 * kDegree, 0, 0).finished())};
   Tracker with(TrackerConfig{}), without(TrackerConfig{});
   PlaceFinder finder_with, finder_without;
   TrackedScan a, b;
