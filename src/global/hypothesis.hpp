@@ -28,7 +28,7 @@ bool clearly_worse(const CloudFit& other, const CloudFit& best);
 
 /// Rooms of one building can look alike to half their surfaces, but the walls of the one stand in the free
 /// space of the other: contradiction of a pose that nothing speaks against.
-inline constexpr double kClearContradiction = 0.02;
+inline constexpr double kClearContradiction = 0.025;
 
 inline constexpr double kRivalEpsilons = 4, kRivalAngle = 0.1;  // radians; what counts as another pose
 /// How far apart two poses put the source, as a share of what counts as another pose. `centre`, of the
