@@ -12,8 +12,8 @@ namespace scanlock {
 namespace {
 
 // Of the usual share of inliers, what a place has to have to be a rival, and what to win: rooms that look
-// alike have 0.85 to 0.93. Where the matches leave no doubt, more of what is seen may be new ground.
-constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kClearShare = 0.65;
+// alike have 0.85 to 0.93. Where the search leaves little doubt, more of what is seen may be new ground.
+constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kSoundShare = 0.75, kClearShare = 0.65;
 constexpr int kWins = 3;  // scans in a row
 constexpr int kMissesAllowed = 1;
 constexpr int kPatience = 8;                           // scans in which it has to be decided
@@ -29,17 +29,21 @@ bool is_open(const Attempt& attempt) {
 
 }  // namespace
 
-Contest::Contest(const std::vector<Pose>& map_from_predicted, bool clear)
-    : least_share_(clear ? kClearShare : kUsualShare), winners_share_(clear ? kClearShare : kWinnersShare) {
+Contest::Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evidence) {
   for (const Pose& pose : map_from_predicted) {
     places_.emplace_back();
     places_.back().map_from_predicted = pose;
+    places_.back().least_share = kUsualShare;
+    places_.back().winners_share = kWinnersShare;
   }
+  Place& favourite = places_.front();
+  if (evidence == PlaceEvidence::kSound) favourite.least_share = favourite.winners_share = kSoundShare;
+  if (evidence == PlaceEvidence::kClear) favourite.least_share = favourite.winners_share = kClearShare;
 }
 
 Contest::Contest(const Pose& map_from_predicted, int wins)
-    : Contest(std::vector<Pose>{map_from_predicted}, false) {
-  winners_share_ = kUsualShare;
+    : Contest(std::vector<Pose>{map_from_predicted}, PlaceEvidence::kSome) {
+  places_.front().winners_share = kUsualShare;
   places_.front().tried = wins > 0;
   wins_ = wins;
   expected_ = true;
@@ -56,8 +60,8 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
   const Pose& found = place.attempt.alignment.moving.pose;
   const Health& health = place.attempt.health;
   const double usual = health.usual_share > 0 ? health.usual_share : excursion.usual_share();
-  place.could_win = health.share >= winners_share_ * usual;
-  place.fits = explains(place.attempt, kCalmScore) && health.share >= least_share_ * usual &&
+  place.could_win = health.share >= place.winners_share * usual;
+  place.fits = explains(place.attempt, kCalmScore) && health.share >= place.least_share * usual &&
                near(found, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   if (place.fits) {
     place.map_from_predicted = renormalised(found * predicted.pose.inverse());

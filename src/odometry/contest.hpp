@@ -8,6 +8,7 @@
 #include "geometry/rigid.hpp"
 #include "odometry/excursion.hpp"
 #include "odometry/odometer.hpp"
+#include "odometry/recovery.hpp"
 
 namespace scanlock {
 
@@ -18,9 +19,8 @@ class Contest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
-  /// Corrections of predicted poses, the favourite first. `clear`: it has far more matches than any other
-  /// place.
-  Contest(const std::vector<Pose>& map_from_predicted, bool clear);
+  /// Corrections of predicted poses, the favourite first, and what speaks for it.
+  Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evidence);
   /// One that needs no search, for the robot is expected there. `wins`: scans that it has explained already.
   Contest(const Pose& map_from_predicted, int wins);
 
@@ -36,6 +36,7 @@ class Contest {
  private:
   struct Place {
     Pose map_from_predicted;
+    double least_share = 0, winners_share = 0;  ///< of the usual share of inliers, to fit, and to win
     int missed = 0;
     bool fits = false;       ///< the last scan
     bool could_win = false;  ///< by it
@@ -46,8 +47,7 @@ class Contest {
                  Place& place) const;
   void drop_losers();
 
-  std::vector<Place> places_;           ///< never empty; the leader first
-  double least_share_, winners_share_;  ///< of the usual share of inliers, for a place to fit, and to win
+  std::vector<Place> places_;  ///< never empty; the leader first
   int wins_ = 0, scans_ = 0;
   bool expected_ = false;
 };

@@ -13,9 +13,11 @@
 namespace scanlock {
 namespace {
 
-constexpr double kKeypoints = 1000;       // of the source; of the target as many per area
-constexpr double kMostWider = 3;          // is the target taken to be
-constexpr std::size_t kTargets = 6;       // remembered, of some megabytes each
+constexpr double kKeypoints = 1000;  // of the source; of the target as many per area
+constexpr double kMostWider = 3;     // is the target taken to be
+constexpr std::size_t kTargets = 6;  // remembered, of some megabytes each
+// In strange buildings the best place has at most 0.81 and at least 0.019.
+constexpr double kSoundOverlap = 0.85, kSoundContradiction = 0.015;
 constexpr std::size_t kMaxNodes = 20000;  // of a search: some tenths of a second
 
 }  // namespace
@@ -93,7 +95,9 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   answer.utime = request.utime;
   answer.certified = found.solution.certified;
   if (answer.certified && found.verdict != GlobalVerdict::kNoOverlap) answer.verdict = PlaceVerdict::kFound;
-  answer.clear = found.verdict == GlobalVerdict::kCertain;
+  if (found.fit.overlap >= kSoundOverlap && found.fit.contradiction <= kSoundContradiction)
+    answer.evidence = PlaceEvidence::kSound;
+  if (found.verdict == GlobalVerdict::kCertain) answer.evidence = PlaceEvidence::kClear;
   // source: stand (p - source_centre); target: level (p - target_centre).
   Pose to_stand = Pose::Identity(), to_level = Pose::Identity();
   to_stand.linear() = stand;

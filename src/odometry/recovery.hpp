@@ -42,6 +42,13 @@ enum class PlaceVerdict : std::int8_t {
   kNotHere,  ///< no place there has enough of a consensus, or that it has is not proven
 };
 
+/// What speaks for the favourite of a search, more and more.
+enum class PlaceEvidence : std::int8_t {
+  kSome,
+  kSound,  ///< nearly all that was seen is there, and nothing contradicts
+  kClear   ///< it has far more matches than any other place, too
+};
+
 /// What a search found.
 struct RecoveryAnswer {
   std::int64_t serial = 0;
@@ -51,8 +58,7 @@ struct RecoveryAnswer {
   std::vector<Pose> rivals;                    ///< the same, of other places that many matches agree on
   int matches = 0, matches_kept = 0, consensus = 0, upper_bound = 0, runner_up_consensus = 0;
   bool certified = false;
-  /// The favourite has far more matches than any other place, and nothing contradicts it.
-  bool clear = false;
+  PlaceEvidence evidence = PlaceEvidence::kSome;
   std::string reason;
   std::int64_t nodes = 0;
   double search_ms = 0, total_ms = 0;  ///< CPU

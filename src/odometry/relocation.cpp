@@ -177,7 +177,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   places.insert(places.begin(), answer.map_from_predicted);
   earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);
   earlier_finds_.resize(std::min(earlier_finds_.size(), kMostPlaces));
-  if (!answer.clear && !seconded) {
+  if (answer.evidence != PlaceEvidence::kClear && !seconded) {
     ended_ = recovery_of(answer);
     ended_->reason.insert(0, "a second search has to agree: ");
     return;
@@ -185,8 +185,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   const Pose place = renormalised(answer.map_from_predicted * excursion_->state().pose);
   if (!covers(odometer, place, archive.scene(place.translation())))
     odometer.reload(archive.keyframes(), place.translation(), voxel);
-  const bool clear = answer.clear;
-  candidate_ = Candidate{Contest(places, clear), std::move(answer)};
+  const PlaceEvidence evidence = answer.evidence;
+  candidate_ = Candidate{Contest(places, evidence), std::move(answer)};
 }
 
 /// Earlier finds are rivals too, and what could not be decided before: a few matches more or less do not

@@ -66,6 +66,7 @@ TEST_CASE("a kidnapped robot comes back with a certificate and in the same frame
     if (!tracked.recovery) continue;
     if (!tracked.recovery->accepted) continue;
     CHECK(tracked.recovery->search.certified);
+    CHECK(tracked.recovery->search.evidence != PlaceEvidence::kSome);
     ++accepted;
     CHECK(tracked.method == PoseMethod::kGlobal);
     CHECK(tracked.recovery->epoch == 1);
@@ -90,7 +91,7 @@ TEST_CASE("what one search finds is not believed before another one agrees unles
       const auto request = i < 52 && answers > 0 ? std::nullopt : tracker.take_request();
       if (!request) continue;
       RecoveryAnswer answer = finder.find(*request);
-      answer.clear = clear;
+      answer.evidence = clear ? PlaceEvidence::kClear : PlaceEvidence::kSome;
       answers += answer.verdict == PlaceVerdict::kFound;
       tracker.give(std::move(answer));
     }
