@@ -124,33 +124,36 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   // A wrong velocity bends both scans alike, so that they fit each other still. The way from one stamp to the
   // next tells better, if the one scan ends about where the other begins.
   const bool gapless = sweep > 0.5 * dt && dt > 0.5 * sweep;
+  const auto moving_at = [&](const Vector6& twist) -> MovingPose {
+    return {renormalised(pose * se3_exp(dt * twist)), twist};
+  };
   const auto velocity = [&](const Attempt& a) -> Vector6 {
-    if (!gapless) return a.alignment.moving.twist;
     return se3_log(pose.inverse() * a.alignment.moving.pose) / dt;
   };
-  const auto start_and_align = [&](const Vector6& twist, const PreparedScan& points,
+  const auto start_and_align = [&](const MovingPose& second, const PreparedScan& points,
                                    const MotionPrior& prior) {
     map_.clear();
-    insert(first_.utime, again, {pose, twist});
+    insert(first_.utime, again, {pose, second.twist});
     MotionPrior there = loosened(prior);
-    there.mean = {renormalised(pose * se3_exp(dt * twist)), twist};
+    there.mean = second;
     Attempt result = align(points, there, Reach::kNear);
     result.prior = prior;
     return result;
   };
-  const PreparedScan part = part_of(scan);  // will do for the way there
   struct Guess {
-    Vector6 twist = Vector6::Zero();
+    MovingPose second;
     double cost = std::numeric_limits<double>::infinity();
     MotionPrior prior;
   };
+  const PreparedScan part = part_of(scan);  // will do for the way there
   const auto settle = [&](const Attempt& begin) {
     Guess best;
-    Vector6 twist = velocity(begin);
+    MovingPose second = gapless ? moving_at(velocity(begin)) : begin.alignment.moving;
     for (int round = 0; round < kDeskewRounds; ++round) {
-      const Attempt aligned = start_and_align(twist, part, begin.prior);
-      if (aligned.cost() < best.cost) best = {twist, aligned.cost(), begin.prior};
-      twist += (gapless ? kBendShare : 1.0) * (velocity(aligned) - twist);
+      const Attempt aligned = start_and_align(second, part, begin.prior);
+      if (aligned.cost() < best.cost) best = {second, aligned.cost(), begin.prior};
+      const Vector6 wrong = second.twist - velocity(aligned);
+      second = gapless ? moving_at(second.twist - kBendShare * wrong) : aligned.alignment.moving;
     }
     return best;
   };
@@ -162,7 +165,7 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   insert(first_.utime, again, standing.mean);
   const Guess other = settle(align(part, standing, Reach::kFar));
   if (other.cost < kClearlyLess * best.cost) best = other;
-  return start_and_align(best.twist, scan, best.prior);
+  return start_and_align(best.second, scan, best.prior);
 }
 
 double Odometer::inflation() const {
