@@ -16,7 +16,7 @@ namespace {
 constexpr double kKeypoints = 1000;  // of the source; of the target as many per area
 constexpr double kMostWider = 3;     // is the target taken to be
 constexpr std::size_t kTargets = 6;  // remembered, of some megabytes each
-// In strange buildings the best place has at most 0.81 and at least 0.019.
+// In strange buildings no favourite of 358 searches had such an overlap.
 constexpr double kSoundOverlap = 0.85, kSoundContradiction = 0.015;
 constexpr std::size_t kMaxNodes = 20000;  // of a search: some tenths of a second
 
