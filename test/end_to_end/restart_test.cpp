@@ -132,7 +132,7 @@ TEST_CASE("after kill -9 it finds its place in the saved map and goes on in the 
     // The search has the time that a sensor would leave it; more where a slow build takes long for a scan.
     if (scans_before < 0)
       std::this_thread::sleep_for(
-          std::max<Clock::duration>(std::chrono::milliseconds(70), 3 * (Clock::now() - begun)));
+          std::max<Clock::duration>(std::chrono::milliseconds(70), 8 * (Clock::now() - begun)));
     if (claims_a_place(pose)) {
       CHECK(metres_off(pose, drive.truth[i]) < 0.3);
       CHECK(degrees_off(pose, drive.truth[i]) < 3);
