@@ -6,11 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "global/cloud_normals.hpp"
+
 namespace scanlock {
 namespace {
 
 constexpr std::size_t kSamples = 2500, kFewSteep = 100;
-constexpr float kLevel = 0.8f;    // |vertical component of the normal|
 constexpr float kNear = 1.5f;     // voxels: a surface sampled a point a voxel has one so near
 constexpr float kOn = 0.5f;       // voxels from its plane
 constexpr float kSameWay = 0.7f;  // cosine
@@ -20,6 +21,10 @@ std::vector<std::uint32_t> every_nth(const std::vector<std::uint32_t>& from, std
   std::vector<std::uint32_t> result;
   for (std::size_t i = 0; i < from.size(); i += stride) result.push_back(from[i]);
   return result;
+}
+
+double share(std::size_t part, std::size_t all) {
+  return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0;
 }
 
 }  // namespace
@@ -46,6 +51,11 @@ Eigen::Vector3d CloudCheck::loose_direction() const {
   return {least.x(), least.y(), 0};
 }
 
+bool CloudCheck::contradicts(const CloudCheck& from, std::size_t sample, const Eigen::Vector3f& p,
+                             const Eigen::Matrix3f& rotation) const {
+  return !from.moved_[sample] && space_.is_crossed(p, rotation * from.cloud_.normal(from.samples_[sample]));
+}
+
 CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck& to,
                                        const Pose& to_from_from) {
   const Eigen::Matrix3f rotation = to_from_from.linear().cast<float>();
@@ -57,7 +67,7 @@ CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck&
     const Eigen::Vector3f p = rotation * from.cloud_.point(i) + translation;
     const Neighbour nearest = to.tree_.nearest(p, kNear * to.voxel_);
     if (nearest.index < 0) {
-      through += !from.moved_[k] && to.space_.is_crossed(p, rotation * from.cloud_.normal(i)) ? 1 : 0;
+      through += to.contradicts(from, k, p, rotation) ? 1 : 0;
       continue;
     }
     const std::size_t j = static_cast<std::size_t>(nearest.index);
@@ -66,10 +76,8 @@ CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck&
     result.distances.push_back(distance);
     on += distance < kOn * to.voxel_ && std::abs(cosine) > kSameWay ? 1 : 0;
   }
-  if (!from.samples_.empty())
-    result.overlap = static_cast<double>(on) / static_cast<double>(from.samples_.size());
-  if (on + through > 0)
-    result.contradiction = static_cast<double>(through) / static_cast<double>(on + through);
+  result.overlap = share(on, from.samples_.size());
+  result.contradiction = share(through, on + through);
   return result;
 }
 
@@ -80,17 +88,16 @@ CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& 
   const std::size_t stride = std::max<std::size_t>(1, source.samples_.size() / count);
   std::size_t on = 0, through = 0, all = 0;
   for (std::size_t k = 0; k < source.samples_.size(); k += stride, ++all) {
-    const std::uint32_t i = source.samples_[k];
-    const Eigen::Vector3f p = rotation * source.cloud_.point(i) + translation;
+    const Eigen::Vector3f p = rotation * source.cloud_.point(source.samples_[k]) + translation;
     if (target.space_.has_surface(p)) {
       ++on;
-    } else if (!source.moved_[k] && target.space_.is_crossed(p, rotation * source.cloud_.normal(i))) {
+    } else if (target.contradicts(source, k, p, rotation)) {
       ++through;
     }
   }
   CloudFit fit;
-  if (all > 0) fit.overlap = static_cast<double>(on) / static_cast<double>(all);
-  if (on + through > 0) fit.contradiction = static_cast<double>(through) / static_cast<double>(on + through);
+  fit.overlap = share(on, all);
+  fit.contradiction = share(through, on + through);
   return fit;
 }
 

@@ -45,6 +45,9 @@ class CloudCheck {
     double overlap = 0, contradiction = 0;
     std::vector<float> distances;
   };
+  /// Whether rays of this cloud went through a sample of the other, which is at p here.
+  bool contradicts(const CloudCheck& from, std::size_t sample, const Eigen::Vector3f& p,
+                   const Eigen::Matrix3f& rotation) const;
   static OneWay one_way(const CloudCheck& from, const CloudCheck& to, const Pose& to_from_from);
 
   const PointCloud& cloud_;
@@ -55,8 +58,8 @@ class CloudCheck {
   SeenSpace space_;
 };
 
-/// Overlap and contradiction alone, from some `count` points of the source and give or take two voxels: the
-/// contradiction of neither direction but this.
+/// Overlap and contradiction in this direction alone, by some `count` points of the source and give or take
+/// two voxels.
 CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
                 std::size_t count);
 

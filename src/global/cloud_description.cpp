@@ -20,7 +20,6 @@ namespace {
 
 constexpr double kWantedPoints = 8000, kWantedShare = 0.4, kTolerance = 1.25;
 constexpr int kVoxelRounds = 8;
-constexpr float kLevel = 0.8f;  // |vertical component of the normal| of surfaces that are level
 constexpr std::uint32_t kFewestNeighbours = 10;
 // Columns next to the histograms, which add up to 100 each: so many units for a voxel of height, at most so
 // many voxels, and so many units for the vertical component.

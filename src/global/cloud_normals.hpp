@@ -6,6 +6,10 @@
 
 namespace scanlock {
 
+/// |Vertical component of the normal| from which on a surface of a levelled cloud is level: it looks alike
+/// everywhere.
+inline constexpr float kLevel = 0.8f;
+
 /// The unit normal of each point from the neighbours within `radius` metres, looking towards the
 /// sensor that saw it; zero where there are fewer than five or they span no plane. Normals that the cloud
 /// brings are made unit and kept.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "global/cloud_normals.hpp"
 
 namespace scanlock {
 namespace {
@@ -15,7 +16,6 @@ constexpr float kStandOff = 2;  // cells: the last stretch may graze the surface
 constexpr int kSectors = 8;     // of the half circle, for a line has no sign
 constexpr int kAcross = 2;      // sectors either side of a normal: rays that do not graze the surface
 constexpr float kSteep = 0.5f;  // horizontal part of a normal that has a heading
-constexpr float kLevel = 0.8f;  // |vertical component of the normal| of surfaces that are level
 // Rays are not followed out of this box about the origin, which bounds the memory: 20 MB.
 constexpr int kMostAside = 200, kMostAloft = 60;  // cells
 

@@ -54,8 +54,9 @@ struct RecoveryAnswer {
   std::int64_t serial = 0;
   std::int64_t utime = 0;
   PlaceVerdict verdict = PlaceVerdict::kNotHere;
-  Pose map_from_predicted = Pose::Identity();  ///< corrects predicted poses; of the largest consensus
-  std::vector<Pose> rivals;                    ///< the same, of other places that many matches agree on
+  Pose map_from_predicted = Pose::Identity();  ///< corrects predicted poses; of the likeliest place
+  std::vector<Pose> rivals;                    ///< the same, of other places that come into question
+  /// Of the largest consensus, which need not be at the likeliest place.
   int matches = 0, matches_kept = 0, consensus = 0, upper_bound = 0, runner_up_consensus = 0;
   bool certified = false;
   PlaceEvidence evidence = PlaceEvidence::kSome;
