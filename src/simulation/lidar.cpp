@@ -35,9 +35,12 @@ std::vector<Beam> spin(const std::vector<double>& rings, int columns, double per
   return beams;
 }
 
-/// A pattern that never repeats: azimuth and elevation run at frequencies without a common period.
+/// A pattern that never repeats, and covers the view evenly at every instant: nods and turns are in the
+/// golden ratio. (In one that nearly repeats the scans lock: each fits the last one's lines, turned by a
+/// little.)
 std::vector<Beam> rosette(std::int64_t scan, int count, double period) {
-  constexpr double kTurnsPerSecond = 83.717, kNodsPerSecond = 1214.31, kLowest = -7, kHighest = 52;
+  constexpr double kTurnsPerSecond = 83.717, kNodsPerSecond = 14.618034 * kTurnsPerSecond;
+  constexpr double kLowest = -7, kHighest = 52;
   std::vector<Beam> beams;
   beams.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {

@@ -14,6 +14,8 @@ using namespace scanlock;
 
 namespace {
 
+constexpr double kDegree = M_PI / 180;
+
 SimulationConfig config_of(WorldKind world, LidarKind lidar, double seconds) {
   SimulationConfig config;
   config.world = world;
@@ -151,6 +153,34 @@ TEST_CASE("simulator - every lidar in every world sees something, finite and wit
       CHECK(good);
       CHECK_FALSE(simulator.next());
     }
+}
+
+TEST_CASE("simulator - the rosette leaves no gap, and does not come back to itself turned") {
+  const LidarModel mid360 = LidarModel::of(LidarKind::kMid360);
+  // Where its lines cross the height of 20 degrees, in degrees.
+  const auto crossings = [&](std::int64_t scan) {
+    std::vector<double> azimuths;
+    double before = 0;
+    for (const Beam& beam : mid360.sweep(scan)) {
+      const double elevation = std::asin(beam.direction.z()) / kDegree - 20;
+      if (elevation * before < 0)
+        azimuths.push_back(std::atan2(beam.direction.y(), beam.direction.x()) / kDegree);
+      before = elevation;
+    }
+    std::sort(azimuths.begin(), azimuths.end());
+    return azimuths;
+  };
+  const std::vector<double> lines = crossings(7), next = crossings(8);
+  REQUIRE(lines.size() > 200);
+  for (std::size_t i = 1; i < lines.size(); ++i) CHECK(lines[i] - lines[i - 1] < 4.5);
+  for (double turned = -2; turned <= 2; turned += 0.1) {
+    int met = 0;
+    for (double azimuth : lines) {
+      const auto at = std::lower_bound(next.begin(), next.end(), azimuth + turned - 0.1);
+      met += at != next.end() && *at < azimuth + turned + 0.1 ? 1 : 0;
+    }
+    CHECK(met < 0.9 * static_cast<double>(lines.size()));
+  }
 }
 
 TEST_CASE("simulator - without distortion every point is taken at the stamp") {
