@@ -39,7 +39,7 @@ void merge(const MatchRegistration& loser, const Eigen::Vector3d& centre, double
 MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOptions search,
                                    const std::vector<Eigen::Vector3d>& target_ups,
                                    const Eigen::Vector3d& centre) {
-  if (target_ups.empty()) return register_matches(matches, search);
+  if (target_ups.empty() || matches.empty()) return register_matches(matches, search);
   MatchRegistration best;
   for (const Eigen::Vector3d& up : target_ups) {
     const Eigen::Matrix3d level = level_rotation(up);

@@ -15,6 +15,11 @@ namespace {
 constexpr std::size_t kMostEntries = std::size_t{1} << 31;
 constexpr double kMostCells = 1048575.0;  // a side
 
+/// The key of a cube's neighbour, the middle one of a row along x.
+std::uint64_t row_about(std::uint64_t centre, int dy, int dz) {
+  return centre + static_cast<std::uint64_t>(dz * (std::int64_t{1} << 42) + dy * (std::int64_t{1} << 21));
+}
+
 }  // namespace
 
 NeighbourFinder::NeighbourFinder(const PointCloud& cloud, float radius)
@@ -47,6 +52,10 @@ std::uint64_t NeighbourFinder::key(const Eigen::Vector3f& p) const {
   return part(cell.z()) << 42 | part(cell.y()) << 21 | part(cell.x());
 }
 
+std::size_t NeighbourFinder::first_from(std::uint64_t key) const {
+  return static_cast<std::size_t>(std::lower_bound(keys_.begin(), keys_.end(), key) - keys_.begin());
+}
+
 void NeighbourFinder::gather_about(const Eigen::Vector3f& p) {
   const std::uint64_t cube = key(p);
   if (cube != gathered_) gather(cube);
@@ -56,13 +65,11 @@ void NeighbourFinder::gather_about(const Eigen::Vector3f& p) {
 void NeighbourFinder::gather(std::uint64_t centre) {
   std::vector<std::uint32_t>& index = candidates_.index;
   index.clear();
-  for (std::int64_t dz = -1; dz <= 1; ++dz) {
-    for (std::int64_t dy = -1; dy <= 1; ++dy) {
-      const std::uint64_t row =
-          centre + static_cast<std::uint64_t>(dz * (std::int64_t{1} << 42) + dy * (std::int64_t{1} << 21));
-      const auto first = std::lower_bound(keys_.begin(), keys_.end(), row - 1);
-      for (auto at = first; at != keys_.end() && *at <= row + 1; ++at)
-        index.push_back(order_[static_cast<std::size_t>(at - keys_.begin())]);
+  for (int dz = -1; dz <= 1; ++dz) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      const std::uint64_t row = row_about(centre, dy, dz);
+      for (std::size_t k = first_from(row - 1); k < keys_.size() && keys_[k] <= row + 1; ++k)
+        index.push_back(order_[k]);
     }
   }
   std::sort(index.begin(), index.end());
@@ -105,17 +112,22 @@ const NeighbourFinder::Neighbours& NeighbourFinder::about(std::size_t i) {
   return neighbours_;
 }
 
-bool NeighbourFinder::has_more_than(std::size_t count, std::size_t i) {
+/// From its own row of cubes outwards: most points have them there already.
+bool NeighbourFinder::has_more_than(std::size_t count, std::size_t i) const {
   const Eigen::Vector3f p = cloud_.point(i);
   if (!p.allFinite()) return false;
-  gather_about(p);
-  const Candidates& c = candidates_;
+  const std::uint64_t centre = key(p);
   std::size_t found = 0;
-  for (std::size_t k = 0; k < c.index.size() && found <= count; ++k) {
-    const float dx = c.x[k] - p.x(), dy = c.y[k] - p.y(), dz = c.z[k] - p.z();
-    found += dx * dx + dy * dy + dz * dz <= squared_radius_ ? 1 : 0;
+  for (const int dz : {0, -1, 1}) {
+    for (const int dy : {0, -1, 1}) {
+      const std::uint64_t row = row_about(centre, dy, dz);
+      for (std::size_t k = first_from(row - 1); k < keys_.size() && keys_[k] <= row + 1; ++k) {
+        found += (cloud_.point(order_[k]) - p).squaredNorm() <= squared_radius_ ? 1 : 0;
+        if (found > count) return true;
+      }
+    }
   }
-  return found > count;
+  return false;
 }
 
 NeighbourLists radius_neighbours(const PointCloud& cloud, float radius) {

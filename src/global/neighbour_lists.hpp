@@ -29,7 +29,7 @@ class NeighbourFinder {
   /// call.
   const Neighbours& about(std::size_t i);
   /// Whether there are more than `count` of them, which takes less.
-  bool has_more_than(std::size_t count, std::size_t i);
+  bool has_more_than(std::size_t count, std::size_t i) const;
   /// The finite points of the cloud in an order in which they are found fastest.
   const std::vector<std::uint32_t>& order() const { return order_; }
 
@@ -40,6 +40,7 @@ class NeighbourFinder {
     std::vector<float> x, y, z, squared;
   };
   std::uint64_t key(const Eigen::Vector3f& p) const;
+  std::size_t first_from(std::uint64_t key) const;
   void gather_about(const Eigen::Vector3f& p);
   void gather(std::uint64_t centre);
   void measure(const Eigen::Vector3f& p);
