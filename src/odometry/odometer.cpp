@@ -27,6 +27,7 @@ constexpr int kDeskewRounds = 4;
 // second one is wrong by the other half.
 constexpr double kBendShare = 2;
 constexpr double kClearlyLess = 0.9;  // of the cost
+constexpr double kAtRest = 0.3;       // voxels that a robot at rest seems to move between two scans
 
 constexpr double kLeastShare = 0.3;
 constexpr double kLeastOverlap = 0.25;
@@ -163,8 +164,15 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   standing.mean = {pose, Vector6::Zero()};
   map_.clear();
   insert(first_.utime, again, standing.mean);
-  const Guess other = settle(align(part, standing, Reach::kFar));
+  const Attempt rested = align(part, standing, Reach::kFar);
+  const Guess other = settle(rested);
   if (other.cost < kClearlyLess * best.cost) best = other;
+  const Vector6 shift = dt * velocity(rested);
+  const double moved = shift.head<3>().norm() + scan.median_range * shift.tail<3>().norm();
+  if (moved < kAtRest * scan.voxel) {
+    const double cost = start_and_align(standing.mean, part, attempt.prior).cost();
+    if (cost < best.cost) best = {standing.mean, cost, attempt.prior};
+  }
   return start_and_align(best.second, scan, best.prior);
 }
 
