@@ -82,10 +82,35 @@ Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int co
   return surface;
 }
 
-void LocalSurfaces::reset(const PointCloud& cloud, const KdForest& tree, float radius) {
+Surface fit_wall(const PointCloud& cloud, const Neighbour* neighbours, int count) {
+  Surface surface;
+  if (count < 5) return surface;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix2d moment = Eigen::Matrix2d::Zero();
+  const Eigen::Vector3f origin = cloud.point(static_cast<std::size_t>(neighbours[0].index));
+  for (int k = 0; k < count; ++k) {
+    const Eigen::Vector3d p =
+        (cloud.point(static_cast<std::size_t>(neighbours[k].index)) - origin).cast<double>();
+    mean += p;
+    moment += p.head<2>() * p.head<2>().transpose();
+  }
+  mean /= count;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
+  solver.computeDirect(moment / count - mean.head<2>() * mean.head<2>().transpose());
+  const Eigen::Vector2d deviation = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  if (!(deviation[1] > 0)) return surface;
+  surface.normal.head<2>() = solver.eigenvectors().col(0).cast<float>();
+  surface.centre = mean.cast<float>() + origin;
+  const double linearity = 1.0 - deviation[0] / deviation[1];
+  surface.weight = static_cast<float>(linearity * linearity);
+  return surface;
+}
+
+void LocalSurfaces::reset(const PointCloud& cloud, const KdForest& tree, float radius, bool walls) {
   cloud_ = &cloud;
   tree_ = &tree;
   radius_ = radius;
+  walls_ = walls;
   surfaces_.assign(cloud.size(), Surface{});
   fitted_.assign(cloud.size(), 0);
 }
@@ -107,7 +132,8 @@ void LocalSurfaces::prepare(const std::vector<std::int32_t>& indices, int thread
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t at = static_cast<std::size_t>(missing_[i]);
       const int count = tree_->k_nearest(cloud_->point(at), kNeighbours, neighbours, radius_);
-      Surface surface = fit_surface(*cloud_, neighbours, count, true);
+      Surface surface =
+          walls_ ? fit_wall(*cloud_, neighbours, count) : fit_surface(*cloud_, neighbours, count, true);
       // The line of a scan pattern on a wall has others beside it; a trunk has not.
       if (surface.line) {
         Neighbour more[3 * kNeighbours];

@@ -31,7 +31,8 @@ class LocalSurfaces {
   /// farther than this many metres do not count.
   /// Where the cloud has eyes, planes that were seen edge-on weigh less, for most of them are the fan of a
   /// beam and no part of the scene.
-  void reset(const PointCloud& cloud, const KdForest& tree, float radius);
+  /// `walls`: the cloud was seen by a planar sensor, see fit_wall().
+  void reset(const PointCloud& cloud, const KdForest& tree, float radius, bool walls = false);
 
   /// The cloud has grown at its end; the fits of what was there stay.
   void grow();
@@ -47,6 +48,7 @@ class LocalSurfaces {
   const PointCloud* cloud_ = nullptr;
   const KdForest* tree_ = nullptr;
   float radius_ = 0;
+  bool walls_ = false;
   std::vector<Surface> surfaces_;
   std::vector<std::uint8_t> fitted_;
   std::vector<std::int32_t> missing_;
@@ -59,5 +61,10 @@ class LocalSurfaces {
 /// fixes a heading in a forest. Lines across are left alone, for they are the rings of the sensor and no part
 /// of the scene.
 Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count, bool lines = false);
+
+/// The upright plane through neighbours that a level sensor saw in its one plane; weight 0 when there are
+/// fewer than five. The weight is the square of (sqrt(l1) - sqrt(l2)) / sqrt(l1) of their covariance in x and
+/// y.
+Surface fit_wall(const PointCloud& cloud, const Neighbour* neighbours, int count);
 
 }  // namespace scanlock

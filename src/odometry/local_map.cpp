@@ -14,6 +14,7 @@ namespace scanlock {
 namespace {
 
 constexpr std::size_t kLeastFresh = 4000;  // points: a tree of so few is built in half a millisecond
+constexpr double kSurfaceVoxels = 4.0;     // radius of what a surface is fitted to
 constexpr double kOriginReach = 200.0;     // metres: at this distance a float still resolves 15 micrometres
 
 std::uint64_t voxel_key(const Eigen::Vector3f& p, float inverse_voxel) {
@@ -32,7 +33,7 @@ void LocalMap::clear() {
   owner_.clear();
   taken_.clear();
   tree_.rebuild(cloud_);
-  surfaces_.reset(cloud_, tree_, 1.0f);
+  surfaces_.reset(cloud_, tree_, 1.0f, planar_);
 }
 
 void LocalMap::insert(Keyframe keyframe, double voxel) {
@@ -48,11 +49,17 @@ void LocalMap::insert(Keyframe keyframe, double voxel) {
   add_novel_points(keyframes_.back());
   if (rebuild) {
     tree_.rebuild(cloud_);
-    surfaces_.reset(cloud_, tree_, static_cast<float>(4.0 * voxel));
+    surfaces_.reset(cloud_, tree_, static_cast<float>(kSurfaceVoxels * voxel_), planar_);
   } else {
     tree_.grow(cloud_);
     surfaces_.grow();
   }
+}
+
+void LocalMap::set_planar(bool planar) {
+  if (planar == planar_) return;
+  planar_ = planar;
+  surfaces_.reset(cloud_, tree_, static_cast<float>(kSurfaceVoxels * voxel_), planar_);
 }
 
 bool LocalMap::wants_rebuild(const Eigen::Vector3d& here, double voxel) const {

@@ -39,6 +39,8 @@ class LocalMap {
   /// Adds a keyframe at its pose. New points are indexed at once; forgetting old ones, and one index of all,
   /// wait until it is worth it. `voxel` in metres.
   void insert(Keyframe keyframe, double voxel);
+  /// Whether a planar sensor sees it, from now on: its surfaces are walls.
+  void set_planar(bool planar);
   void clear();
 
   bool empty() const { return keyframes_.empty(); }
@@ -66,7 +68,8 @@ class LocalMap {
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   PointCloud cloud_;                  ///< relative to origin_
   std::vector<std::uint32_t> owner_;  ///< id of the keyframe that each point came with
-  double voxel_ = 0;                  ///< metres, of the grid that `taken_` is of
+  bool planar_ = false;
+  double voxel_ = 0;  ///< metres, of the grid that `taken_` is of
   VoxelSet taken_;
   KdForest tree_;
   LocalSurfaces surfaces_;

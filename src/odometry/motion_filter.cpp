@@ -29,6 +29,17 @@ void MotionFilter::start(const MovingPose& guess) {
   sigma.segment<3>(6).setConstant(kStartSpeed);
   sigma.tail<3>().setConstant(kStartTurnRate);
   covariance_ = sigma.cwiseAbs2().asDiagonal();
+  set_planar(planar_);
+}
+
+void MotionFilter::set_planar(bool planar) {
+  planar_ = planar;
+  if (!planar) return;
+  for (int axis : {2, 3, 4, 8, 9, 10}) {  // z, roll, pitch, and their velocities
+    covariance_.row(axis).setZero();
+    covariance_.col(axis).setZero();
+    covariance_(axis, axis) = kPoseFloor * kPoseFloor;
+  }
 }
 
 MotionPrior MotionFilter::predict(double dt) const {
@@ -42,6 +53,7 @@ MotionPrior MotionFilter::predict(double dt) const {
   transition.topRightCorner<6, 6>() = dt * se3_left_jacobian(-step);  // the right Jacobian at step
   Vector6 density;
   density << Eigen::Vector3d::Constant(linear_density_), Eigen::Vector3d::Constant(angular_density_);
+  if (planar_) density.segment<3>(2).setZero();
   Matrix12 noise = Matrix12::Zero();
   noise.diagonal() << density * (dt * dt * dt / 3.0), density * dt;
   noise.topRightCorner<6, 6>().diagonal() = density * (dt * dt / 2.0);

@@ -17,6 +17,8 @@ class MotionFilter {
 
   /// At a pose, the velocity a guess that may be anything.
   void start(const MovingPose& guess);
+  /// Whether it moves in its own plane of x and y, from now on: nothing else is measured then.
+  void set_planar(bool planar);
 
   /// The state `dt` seconds on (dt >= 0): its mean is the prediction, its information what it is worth.
   MotionPrior predict(double dt) const;
@@ -37,6 +39,7 @@ class MotionFilter {
   double linear_density_,
       angular_density_;  ///< power spectral densities of the white noise, m^2/s^3 and rad^2/s^3
   MovingPose state_;
+  bool planar_ = false;
   Matrix12 covariance_ = Matrix12::Identity();
 };
 

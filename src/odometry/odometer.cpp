@@ -49,10 +49,16 @@ void Odometer::start(std::int64_t utime, const PreparedScan& scan, const MovingP
   map_.clear();
   health_.forget();
   sigma_ = kFirstSigma;
+  set_planar(scan.planar);
   filter_.start(guess);
   first_.utime = utime;
   first_.points = scan.fine;
   insert(utime, scan, filter_.state());
+}
+
+void Odometer::set_planar(bool planar) {
+  map_.set_planar(planar);
+  filter_.set_planar(planar);
 }
 
 void Odometer::reload(const std::vector<ArchivedKeyframe>& archived, const Eigen::Vector3d& centre,

@@ -19,7 +19,7 @@ constexpr float kSourceVoxels[] = {2.0f, 1.41f, 1.0f};
 
 constexpr double kVoxelPerRange = 0.045;     // the first guess, before a count is known
 constexpr double kStep = 1.189207115002721;  // 2^(1/4)
-constexpr double kPointsPerVoxel = 3.0;
+constexpr double kPointsPerVoxel = 3.0, kPlanarPointsPerVoxel = 1.2;
 constexpr double kBand = 1.3;
 constexpr int kSettlingRounds = 16;
 
@@ -73,6 +73,13 @@ CroppedScan crop(const PointCloud& points, double min_range, double max_range) {
   return result;
 }
 
+bool is_planar(const PointCloud& points, const CroppedScan& cropped) {
+  constexpr float kFlat = 1e-3f;  // of the range
+  return std::all_of(cropped.indices.begin(), cropped.indices.end(), [&](std::uint32_t i) {
+    return std::abs(points.z[i]) <= kFlat * points.point(i).norm();
+  });
+}
+
 bool looks_around(const PointCloud& points) {
   constexpr int kSectors = 8, kMostEmpty = 2;
   constexpr double kShare = 0.01;  // of all points, thinned: a wall close by has few of them
@@ -97,10 +104,12 @@ double VoxelScale::current(double median_range) {
   return voxel_ > 0 ? voxel_ : max_voxel_;
 }
 
-bool VoxelScale::adapt(std::size_t thinned, std::size_t cropped) {
+bool VoxelScale::adapt(std::size_t thinned, std::size_t cropped, bool planar) {
   if (voxel_ == 0 || cropped == 0) return false;
-  // A voxel smaller than a few points of a scan is no thinning, and its surfaces are made of noise.
-  const double wanted = std::min(wanted_, static_cast<double>(cropped) / kPointsPerVoxel);
+  // A voxel smaller than a few points of a scan is no thinning, and its surfaces are made of noise. A line
+  // needs fewer.
+  const double share = planar ? kPlanarPointsPerVoxel : kPointsPerVoxel;
+  const double wanted = std::min(wanted_, static_cast<double>(cropped) / share);
   const double count = static_cast<double>(thinned), before = voxel_;
   // Counts go like 1/v^2 on surfaces, so by 1.41 a step; the band from one edge to the other is wider than
   // that.
@@ -114,12 +123,13 @@ PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, Vox
                        int max_source_points) {
   PreparedScan result;
   result.median_range = cropped.median_range;
+  result.planar = is_planar(points, cropped);
   std::vector<std::uint32_t> fine;
   // The first scan settles the size; later ones change it by one step at a time, for the scan after them.
   for (int round = 0; round < (first ? kSettlingRounds : 1); ++round) {
     result.voxel = scale->current(cropped.median_range);
     fine = thin_by_voxel(points, cropped.indices, static_cast<float>(result.voxel));
-    if (!scale->adapt(fine.size(), cropped.indices.size())) break;
+    if (!scale->adapt(fine.size(), cropped.indices.size(), result.planar)) break;
   }
   result.fine = select(points, fine);
   const std::size_t most = static_cast<std::size_t>(std::max(max_source_points, 1));

@@ -87,3 +87,27 @@ TEST_CASE("a plane seen edge-on hardly counts") {
   CHECK(weight_from(0.5f) < 0.2f * seen_from_above);
   CHECK(weight_from(0) == 0.0f);
 }
+
+TEST_CASE("what a planar sensor sees of a wall is an upright plane, and a heap is none") {
+  PointCloud cloud;
+  std::vector<Neighbour> wall, heap;
+  for (int k = -6; k <= 6; ++k) {  // 30 degrees from x, alternately 1 cm off it
+    const float along = 0.1f * static_cast<float>(k), off = k % 2 ? 0.01f : -0.01f;
+    cloud.push_back(3 + 0.8660254f * along - 0.5f * off, 0.5f * along + 0.8660254f * off, 0);
+    wall.push_back({static_cast<std::int32_t>(cloud.size()) - 1, 0});
+  }
+  for (int k = 0; k < 12; ++k) {
+    cloud.push_back(std::cos(static_cast<float>(k)), std::sin(static_cast<float>(k)), 0);
+    heap.push_back({static_cast<std::int32_t>(cloud.size()) - 1, 0});
+  }
+  const Surface surface = fit_wall(cloud, wall.data(), static_cast<int>(wall.size()));
+  CHECK_FALSE(surface.line);
+  CHECK(std::abs(surface.normal.dot(Eigen::Vector3f(-0.5f, 0.8660254f, 0))) > 0.9995f);
+  CHECK(surface.normal.z() == 0.0f);
+  CHECK((surface.centre - Eigen::Vector3f(3, 0, 0)).norm() < 0.005f);
+  CHECK(surface.weight > 0.9f);
+  CHECK(fit_wall(cloud, heap.data(), static_cast<int>(heap.size())).weight < 0.05f);
+  CHECK(fit_wall(cloud, wall.data(), 4).weight == 0.0f);
+  const std::vector<Neighbour> one(6, wall[0]);
+  CHECK(fit_wall(cloud, one.data(), 6).weight == 0.0f);
+}
