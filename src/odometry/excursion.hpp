@@ -31,6 +31,7 @@ class Excursion {
   const Matrix12& covariance() const { return odometer_.covariance(); }
   /// Of a scan's points, those that its own map explains: what a good map of the same place would.
   double usual_share() const { return share_; }
+  bool planar() const { return odometer_.planar(); }
   /// Scans since it began.
   int scans() const { return scans_; }
 

@@ -41,6 +41,7 @@ class LocalMap {
   void insert(Keyframe keyframe, double voxel);
   /// Whether a planar sensor sees it, from now on: its surfaces are walls.
   void set_planar(bool planar);
+  bool planar() const { return planar_; }
   void clear();
 
   bool empty() const { return keyframes_.empty(); }

@@ -48,6 +48,7 @@ class Odometer {
   void start(std::int64_t utime, const PreparedScan& scan, const MovingPose& guess);
   /// Whether its sensor sees one plane only and moves in it. A start asks its scan.
   void set_planar(bool planar);
+  bool planar() const { return map_.planar(); }
   /// The map becomes what was archived around `centre` (map frame). What is usual stays.
   void reload(const std::vector<ArchivedKeyframe>& archived, const Eigen::Vector3d& centre, double voxel);
 

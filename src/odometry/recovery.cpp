@@ -18,6 +18,7 @@ constexpr double kMostWider = 3;     // is the target taken to be
 constexpr std::size_t kTargets = 6;  // remembered, of some megabytes each
 // In strange buildings no favourite of 358 searches had such an overlap.
 constexpr double kSoundOverlap = 0.85, kSoundContradiction = 0.015;
+constexpr double kLittleOverlap = 0.5;
 constexpr std::size_t kMaxNodes = 20000;  // of a search: some tenths of a second
 
 }  // namespace
@@ -95,6 +96,7 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   answer.utime = request.utime;
   answer.certified = found.solution.certified;
   if (answer.certified && found.verdict != GlobalVerdict::kNoOverlap) answer.verdict = PlaceVerdict::kFound;
+  if (found.fit.overlap < kLittleOverlap) answer.evidence = PlaceEvidence::kLittle;
   if (found.fit.overlap >= kSoundOverlap && found.fit.contradiction <= kSoundContradiction)
     answer.evidence = PlaceEvidence::kSound;
   if (found.verdict == GlobalVerdict::kCertain) answer.evidence = PlaceEvidence::kClear;

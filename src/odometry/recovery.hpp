@@ -44,6 +44,7 @@ enum class PlaceVerdict : std::int8_t {
 
 /// What speaks for the favourite of a search, more and more.
 enum class PlaceEvidence : std::int8_t {
+  kLittle,  ///< most of what was seen is not there
   kSome,
   kSound,  ///< nearly all that was seen is there, and nothing contradicts
   kClear   ///< it has far more matches than any other place, too

@@ -15,6 +15,8 @@ constexpr std::size_t kMostPlaces = 5;  // tried at once
 constexpr int kPatience = 20;           // scans in which a lost robot feels around on each,
 constexpr int kSeldom = 5;              // and after that on every fifth
 constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
+constexpr int kSeconds = 1;             // finds before it that mean the same place;
+constexpr int kPlanarSeconds = 3;       // in a plane one room is soon like another
 constexpr double kSamePlace = 1.0;      // metres: finds of two searches that mean the same,
 constexpr double kSameHeading = 6.0 * kDegree;
 constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival is enough there
@@ -170,16 +172,20 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     return;
   }
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
-  const bool seconded = std::any_of(earlier_finds_.begin(), earlier_finds_.end(), [&](const Pose& other) {
+  const bool planar = excursion_->planar();
+  const auto seconds = std::count_if(earlier_finds_.begin(), earlier_finds_.end(), [&](const Pose& other) {
     return agree(other, answer.map_from_predicted, kSamePlace, kSameHeading);
   });
+  const bool little = planar && answer.evidence == PlaceEvidence::kLittle;
+  const bool enough = planar ? !little && seconds >= kPlanarSeconds
+                             : answer.evidence == PlaceEvidence::kClear || seconds >= kSeconds;
   std::vector<Pose> places = rivals_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
-  earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);
+  if (!little) earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);
   earlier_finds_.resize(std::min(earlier_finds_.size(), kMostPlaces));
-  if (answer.evidence != PlaceEvidence::kClear && !seconded) {
+  if (!enough) {
     ended_ = recovery_of(answer);
-    ended_->reason.insert(0, "a second search has to agree: ");
+    ended_->reason.insert(0, planar ? "more searches have to agree: " : "a second search has to agree: ");
     return;
   }
   const Pose place = renormalised(answer.map_from_predicted * excursion_->state().pose);

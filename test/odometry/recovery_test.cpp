@@ -66,7 +66,7 @@ TEST_CASE("a kidnapped robot comes back with a certificate and in the same frame
     if (!tracked.recovery) continue;
     if (!tracked.recovery->accepted) continue;
     CHECK(tracked.recovery->search.certified);
-    CHECK(tracked.recovery->search.evidence != PlaceEvidence::kSome);
+    CHECK(tracked.recovery->search.evidence >= PlaceEvidence::kSound);
     ++accepted;
     CHECK(tracked.method == PoseMethod::kGlobal);
     CHECK(tracked.recovery->epoch == 1);
@@ -98,6 +98,31 @@ TEST_CASE("what one search finds is not believed before another one agrees unles
     REQUIRE(back > 0);
     CHECK(answers == (clear ? 1 : 2));
     CHECK((back < 52) == clear);
+  }
+}
+
+TEST_CASE("a planar sensor needs four finds that agree and show half of what is seen") {
+  const Drive drive{60, at(-5, 1, 20 * kDegree)};
+  for (const bool little : {false, true}) {
+    CAPTURE(little);
+    Tracker tracker(TrackerConfig{});
+    PlaceFinder finder;
+    int answers = 0;
+    bool back = false;
+    for (int i = 0; i < 110 && !back; ++i) {
+      const TrackedScan tracked =
+          tracker.track(planar_hall_scan(drive.pose(i), drive.velocity, utime(i), static_cast<unsigned>(i)));
+      back = tracked.recovery && tracked.recovery->accepted;
+      if (back) CHECK(error(drive.pose(0).inverse() * drive.pose(i), tracked.map_from_body) < 0.1);
+      const auto request = tracker.take_request();
+      if (!request) continue;
+      RecoveryAnswer answer = finder.find(*request);
+      if (little) answer.evidence = PlaceEvidence::kLittle;
+      answers += answer.verdict == PlaceVerdict::kFound;
+      tracker.give(std::move(answer));
+    }
+    CHECK(back == !little);
+    CHECK(answers >= 4);
   }
 }
 

@@ -54,4 +54,21 @@ inline Scan hall_scan(const Pose& pose, const Vector6& twist, std::int64_t utime
   return scan;
 }
 
+/// The same hall, seen by a sensor of one plane with a beam a degree; ranges have noise.
+inline Scan planar_hall_scan(const Pose& pose, const Vector6& twist, std::int64_t utime, unsigned seed) {
+  std::mt19937 rng(seed);
+  std::normal_distribution<double> noise(0, 0.01);
+  Scan scan;
+  scan.utime = utime;
+  for (int beam = 0; beam < 360; ++beam) {
+    const double time = 0.1 * beam / 360, azimuth = (beam - 180) * 3.14159265358979 / 180;
+    const Pose at = pose * se3_exp(time * twist);
+    const Eigen::Vector3d ray(std::cos(azimuth), std::sin(azimuth), 0);
+    const double range = hall_range(at.translation(), at.linear() * ray) + noise(rng);
+    scan.points.push_back((range * ray).cast<float>());
+    scan.points.time.push_back(static_cast<float>(time));
+  }
+  return scan;
+}
+
 }  // namespace scanlock

@@ -87,19 +87,8 @@ TEST_CASE("a planar sensor is followed in its plane, and what it cannot see is n
   const Pose start = at(-6, -1, 0.1);
   Tracker tracker(TrackerConfig{});
   for (int i = 0; i < 30; ++i) {
-    Scan scan;
-    scan.utime = 100000 * i;
-    std::mt19937 rng(static_cast<unsigned>(i));
-    std::normal_distribution<double> noise(0, 0.01);
-    for (int beam = 0; beam < 360; ++beam) {
-      const double time = 0.1 * beam / 360, azimuth = (beam - 180) * kDegree;
-      const Pose pose = start * se3_exp((0.1 * i + time) * velocity);
-      const Eigen::Vector3d ray(std::cos(azimuth), std::sin(azimuth), 0);
-      const double range = hall_range(pose.translation(), pose.linear() * ray) + noise(rng);
-      scan.points.push_back((range * ray).cast<float>());
-      scan.points.time.push_back(static_cast<float>(time));
-    }
-    const TrackedScan tracked = tracker.track(scan);
+    const TrackedScan tracked = tracker.track(planar_hall_scan(start * se3_exp(0.1 * i * velocity), velocity,
+                                                               100000 * i, static_cast<unsigned>(i)));
     const Vector6 error =
         se3_log((start * se3_exp(0.1 * i * velocity)).inverse() * start * tracked.map_from_body);
     CAPTURE(i);
