@@ -94,6 +94,8 @@ int count_wrong_jumps(const PosePairs& pairs, const Pose& alignment, const std::
     const auto state = state_at(states, pair.time_s);
     const double error = metres(pair.reference.inverse() * (alignment * pair.estimate));
     const double step = error - std::exchange(error_before, error);
+    // A run that begins by tracking is at home, wherever what came later has laid its beginning.
+    if (state == TrackingState::kInitialising) last_error = error;
     if (state == TrackingState::kDegraded) {  // it names the axis that it drifts along; a leap is no drift
       if (step < kRise) last_error += step;
       continue;

@@ -142,6 +142,16 @@ TEST_CASE("what drifts before the kidnap and says so does not shift what was rig
   CHECK(*report.kidnaps[0].recovery_s == doctest::Approx(1.0).epsilon(1e-3));
 }
 
+TEST_CASE("a start that drifts is no wrong jump, wherever the rest of the drive lays it") {
+  Drive drive = kidnapped_drive(1);
+  for (std::size_t i = 0; i < 20; ++i)  // 4 m in two seconds
+    drive.estimate[i].pose =
+        drive.estimate[i].pose * exp6(0, 0.2 * (20 - static_cast<double>(i)), 0, 0, 0, 0);
+  CHECK(examine(drive).wrong_jumps == 0);
+  drive.states[0].state = TrackingState::kLost;  // and comes to a place that is wrong
+  CHECK(examine(drive).wrong_jumps == 1);
+}
+
 TEST_CASE("drift is no wrong jump and unknown states are said to be unknown") {
   Drive drive = kidnapped_drive(1.3);
   for (std::size_t i = 80; i < 150; ++i)
