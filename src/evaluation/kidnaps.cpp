@@ -85,7 +85,7 @@ std::optional<double> recovery_time(const PosePairs& pairs, const Pose& alignmen
 int count_wrong_jumps(const PosePairs& pairs, const Pose& alignment, const std::vector<StampedState>& states,
                       const std::vector<Kidnap>& kidnaps) {
   int wrong = 0;
-  bool wrong_now = false;
+  bool wrong_now = false, beginning = true;
   double last_error = 0, error_before = 0, kidnapped_s = -std::numeric_limits<double>::infinity();
   auto next = kidnaps.begin();
   for (const PosePair& pair : pairs) {
@@ -95,7 +95,8 @@ int count_wrong_jumps(const PosePairs& pairs, const Pose& alignment, const std::
     const double error = metres(pair.reference.inverse() * (alignment * pair.estimate));
     const double step = error - std::exchange(error_before, error);
     // A run that begins by tracking is at home, wherever what came later has laid its beginning.
-    if (state == TrackingState::kInitialising) last_error = error;
+    beginning = beginning && state == TrackingState::kInitialising;
+    if (beginning) last_error = error;
     if (state == TrackingState::kDegraded) {  // it names the axis that it drifts along; a leap is no drift
       if (step < kRise) last_error += step;
       continue;

@@ -15,7 +15,33 @@ constexpr double kUpright = 0.8;  // cosine of 37 degrees
 // Standard deviations of the neighbours about their line, metres:
 constexpr double kThread = 0.03;  // so thin is only the line of a scan pattern
 constexpr double kThin = 0.05;
+constexpr int kFewest = 5;        // neighbours
 constexpr float kGrazing = 0.1f;  // sine of the angle of incidence below which a plane is doubted
+
+/// How neighbours lie about their centroid, in the first kAxes of x, y and z.
+template <int kAxes>
+struct Spread {
+  Spread(const PointCloud& cloud, const Neighbour* neighbours, int count) {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    Eigen::Matrix<double, kAxes, kAxes> moment = Eigen::Matrix<double, kAxes, kAxes>::Zero();
+    const Eigen::Vector3f origin = cloud.point(static_cast<std::size_t>(neighbours[0].index));
+    for (int k = 0; k < count; ++k) {
+      const Eigen::Vector3d p =
+          (cloud.point(static_cast<std::size_t>(neighbours[k].index)) - origin).cast<double>();
+      mean += p;
+      moment += p.head<kAxes>() * p.head<kAxes>().transpose();
+    }
+    mean /= count;
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kAxes, kAxes>> solver;
+    solver.computeDirect(moment / count - mean.head<kAxes>() * mean.head<kAxes>().transpose());
+    centre = mean.cast<float>() + origin;
+    deviation = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+    axes = solver.eigenvectors();
+  }
+  Eigen::Vector3f centre;
+  Eigen::Matrix<double, kAxes, 1> deviation;  ///< metres, ascending
+  Eigen::Matrix<double, kAxes, kAxes> axes;   ///< in columns, likewise
+};
 
 /// Whether few of the points at the height of a line's own are beside it.
 bool stands_alone(const PointCloud& cloud, const Surface& line, const Neighbour* own, int count,
@@ -50,28 +76,16 @@ float edge_on_weight(const Surface& plane, const Eigen::Vector3f& eye) {
 
 Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count, bool lines) {
   Surface surface;
-  if (count < 5) return surface;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
-  const Eigen::Vector3f origin = cloud.point(static_cast<std::size_t>(neighbours[0].index));
-  for (int k = 0; k < count; ++k) {
-    const Eigen::Vector3d p =
-        (cloud.point(static_cast<std::size_t>(neighbours[k].index)) - origin).cast<double>();
-    mean += p;
-    moment += p * p.transpose();
-  }
-  mean /= count;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(moment / count - mean * mean.transpose());
-  const Eigen::Vector3d deviation = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  if (count < kFewest) return surface;
+  const Spread<3> spread(cloud, neighbours, count);
+  const Eigen::Vector3d& deviation = spread.deviation;
   if (!(deviation[2] > 0)) return surface;
   const double planarity = std::clamp((deviation[1] - deviation[0]) / deviation[2], 0.0, 1.0);
-  const Eigen::Vector3d normal = solver.eigenvectors().col(0);
-  surface.normal = normal.cast<float>();
-  surface.centre = mean.cast<float>() + origin;
+  surface.normal = spread.axes.col(0).cast<float>();
+  surface.centre = spread.centre;
   surface.weight = static_cast<float>(planarity * planarity);
   const double linearity = 1.0 - deviation[1] / deviation[2];
-  const Eigen::Vector3d direction = solver.eigenvectors().col(2);
+  const Eigen::Vector3d direction = spread.axes.col(2);
   const double thickness = std::hypot(deviation[0], deviation[1]);
   if (lines && linearity > planarity && std::abs(direction.z()) > kUpright && thickness > kThread) {
     surface.line = true;
@@ -84,23 +98,12 @@ Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int co
 
 Surface fit_wall(const PointCloud& cloud, const Neighbour* neighbours, int count) {
   Surface surface;
-  if (count < 5) return surface;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix2d moment = Eigen::Matrix2d::Zero();
-  const Eigen::Vector3f origin = cloud.point(static_cast<std::size_t>(neighbours[0].index));
-  for (int k = 0; k < count; ++k) {
-    const Eigen::Vector3d p =
-        (cloud.point(static_cast<std::size_t>(neighbours[k].index)) - origin).cast<double>();
-    mean += p;
-    moment += p.head<2>() * p.head<2>().transpose();
-  }
-  mean /= count;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
-  solver.computeDirect(moment / count - mean.head<2>() * mean.head<2>().transpose());
-  const Eigen::Vector2d deviation = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  if (count < kFewest) return surface;
+  const Spread<2> spread(cloud, neighbours, count);
+  const Eigen::Vector2d& deviation = spread.deviation;
   if (!(deviation[1] > 0)) return surface;
-  surface.normal.head<2>() = solver.eigenvectors().col(0).cast<float>();
-  surface.centre = mean.cast<float>() + origin;
+  surface.normal.head<2>() = spread.axes.col(0).cast<float>();
+  surface.centre = spread.centre;
   const double linearity = 1.0 - deviation[0] / deviation[1];
   surface.weight = static_cast<float>(linearity * linearity);
   return surface;

@@ -171,14 +171,13 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   map_.clear();
   insert(first_.utime, again, standing.mean);
   const Attempt rested = align(part, standing, Reach::kFar);
-  const Guess other = settle(rested);
-  if (other.cost < kClearlyLess * best.cost) best = other;
+  Guess rest{standing.mean, std::numeric_limits<double>::infinity(), attempt.prior};
   const Vector6 shift = dt * velocity(rested);
   const double moved = shift.head<3>().norm() + scan.median_range * shift.tail<3>().norm();
-  if (moved < kAtRest * scan.voxel) {
-    const double cost = start_and_align(standing.mean, part, attempt.prior).cost();
-    if (cost < best.cost) best = {standing.mean, cost, attempt.prior};
-  }
+  if (moved < kAtRest * scan.voxel) rest.cost = align(part, standing, Reach::kNear).cost();
+  const Guess other = settle(rested);
+  if (other.cost < kClearlyLess * best.cost) best = other;
+  if (rest.cost < best.cost) best = rest;
   return start_and_align(best.second, scan, best.prior);
 }
 

@@ -15,10 +15,9 @@ constexpr std::size_t kMostPlaces = 5;  // tried at once
 constexpr int kPatience = 20;           // scans in which a lost robot feels around on each,
 constexpr int kSeldom = 5;              // and after that on every fifth
 constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
-constexpr int kSeconds = 1;             // finds before it that mean the same place;
-constexpr int kPlanarSeconds = 3;       // in a plane one room is soon like another
 constexpr double kSamePlace = 1.0;      // metres: finds of two searches that mean the same,
 constexpr double kSameHeading = 6.0 * kDegree;
+constexpr int kAgreeing = 1, kPlanarAgreeing = 3;  // earlier finds: in a plane one room is soon like another
 constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival is enough there
 constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
 
@@ -173,12 +172,12 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   }
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
   const bool planar = excursion_->planar();
-  const auto seconds = std::count_if(earlier_finds_.begin(), earlier_finds_.end(), [&](const Pose& other) {
+  const auto agreeing = std::count_if(earlier_finds_.begin(), earlier_finds_.end(), [&](const Pose& other) {
     return agree(other, answer.map_from_predicted, kSamePlace, kSameHeading);
   });
   const bool little = planar && answer.evidence == PlaceEvidence::kLittle;
-  const bool enough = planar ? !little && seconds >= kPlanarSeconds
-                             : answer.evidence == PlaceEvidence::kClear || seconds >= kSeconds;
+  const bool enough = planar ? !little && agreeing >= kPlanarAgreeing
+                             : answer.evidence == PlaceEvidence::kClear || agreeing >= kAgreeing;
   std::vector<Pose> places = rivals_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
   if (!little) earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);

@@ -53,6 +53,13 @@ class RangeHistogram {
   std::array<std::uint32_t, 1u << (31 - kShift)> counts_{};
 };
 
+bool is_planar(const PointCloud& points, const CroppedScan& cropped) {
+  constexpr float kFlat = 1e-3f;  // of the range
+  return std::all_of(cropped.indices.begin(), cropped.indices.end(), [&](std::uint32_t i) {
+    return std::abs(points.z[i]) <= kFlat * points.point(i).norm();
+  });
+}
+
 }  // namespace
 
 CroppedScan crop(const PointCloud& points, double min_range, double max_range) {
@@ -71,13 +78,6 @@ CroppedScan crop(const PointCloud& points, double min_range, double max_range) {
   result.indices.resize(kept);
   result.median_range = histogram.median();
   return result;
-}
-
-bool is_planar(const PointCloud& points, const CroppedScan& cropped) {
-  constexpr float kFlat = 1e-3f;  // of the range
-  return std::all_of(cropped.indices.begin(), cropped.indices.end(), [&](std::uint32_t i) {
-    return std::abs(points.z[i]) <= kFlat * points.point(i).norm();
-  });
 }
 
 bool looks_around(const PointCloud& points) {

@@ -26,7 +26,8 @@ class VoxelScale {
   VoxelScale(int wanted, double min_voxel, double max_voxel);
   /// The size to use for a scan with this median range (a first guess) and this many points within range.
   double current(double median_range);
-  /// Takes how many points the last scan was thinned to; true when the size changed by it.
+  /// Takes how many points the last scan was thinned to; true when the size changed by it. `planar`: they lie
+  /// on lines.
   bool adapt(std::size_t thinned, std::size_t cropped, bool planar);
 
  private:
@@ -40,10 +41,8 @@ struct PreparedScan {
   PointCloud source;        ///< a coarser part of it: is aligned
   double voxel = 0;         ///< metres, of `fine`
   double median_range = 0;  ///< metres
-  bool planar = false;      ///< see is_planar()
+  bool planar = false;      ///< all its points lie in the plane of x and y: that is all the sensor sees
 };
-/// Whether all points lie in the plane of x and y, as a planar sensor sees them.
-bool is_planar(const PointCloud& points, const CroppedScan& cropped);
 /// Whether there are points on all sides (of the z axis), but for a quarter at most.
 bool looks_around(const PointCloud& points);
 

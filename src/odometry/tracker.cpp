@@ -315,8 +315,8 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
   if (!seen && !s.begun) return tracked;
 
   if (!s.begun) {
-    s.odometer.set_planar(prepared.planar);
     if (s.relocation.lost()) {
+      s.odometer.set_planar(prepared.planar);
       s.relocation.distrust(scan.utime, 0, prepared, s.odometer, 1);
       tracked.method = PoseMethod::kPredicted;
     } else {

@@ -142,6 +142,14 @@ TEST_CASE("what drifts before the kidnap and says so does not shift what was rig
   CHECK(*report.kidnaps[0].recovery_s == doctest::Approx(1.0).epsilon(1e-3));
 }
 
+TEST_CASE("a later start is no excuse for a wrong place") {
+  Drive drive = kidnapped_drive(1);
+  for (std::size_t i = 30; i < 40; ++i)
+    drive.estimate[i].pose = drive.estimate[i].pose * exp6(0, 5, 0, 0, 0, 0);
+  drive.states[30].state = TrackingState::kInitialising;
+  CHECK(examine(drive).wrong_jumps == 1);
+}
+
 TEST_CASE("a start that drifts is no wrong jump, wherever the rest of the drive lays it") {
   Drive drive = kidnapped_drive(1);
   for (std::size_t i = 0; i < 20; ++i)  // 4 m in two seconds
