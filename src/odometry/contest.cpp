@@ -13,7 +13,8 @@ namespace {
 
 // Of the usual share of inliers, what a place has to have to be a rival, and what to win: rooms that look
 // alike have 0.85 to 0.93. Where the search leaves little doubt, more of what is seen may be new ground.
-constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kSoundShare = 0.75, kClearShare = 0.65;
+constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kSoundShare = 0.75, kClearShare = 0.65,
+                 kTwiceShare = 0.25;
 constexpr int kWins = 3;  // scans in a row
 constexpr int kMissesAllowed = 1;
 constexpr int kPatience = 8;                           // scans in which it has to be decided
@@ -39,6 +40,10 @@ Contest::Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evid
   Place& favourite = places_.front();
   if (evidence == PlaceEvidence::kSound) favourite.least_share = favourite.winners_share = kSoundShare;
   if (evidence == PlaceEvidence::kClear) favourite.least_share = favourite.winners_share = kClearShare;
+  if (evidence == PlaceEvidence::kTwice) {
+    favourite.least_share = favourite.winners_share = kTwiceShare;
+    favourite.most_score = kHopelessScore;
+  }
 }
 
 Contest::Contest(const Pose& map_from_predicted, int wins)
@@ -61,7 +66,7 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
   const Health& health = place.attempt.health;
   const double usual = health.usual_share > 0 ? health.usual_share : excursion.usual_share();
   place.could_win = health.share >= place.winners_share * usual;
-  place.fits = explains(place.attempt, kCalmScore) && health.share >= place.least_share * usual &&
+  place.fits = explains(place.attempt, place.most_score) && health.share >= place.least_share * usual &&
                near(found, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   if (place.fits) {
     place.map_from_predicted = renormalised(found * predicted.pose.inverse());

@@ -37,6 +37,7 @@ class Contest {
   struct Place {
     Pose map_from_predicted;
     double least_share = 0, winners_share = 0;  ///< of the usual share of inliers, to fit, and to win
+    double most_score = kCalmScore;
     int missed = 0;
     bool fits = false;       ///< the last scan
     bool could_win = false;  ///< by it

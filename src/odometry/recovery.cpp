@@ -95,6 +95,7 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   RecoveryAnswer answer;
   answer.serial = request.serial;
   answer.utime = request.utime;
+  answer.contradiction = found.fit.contradiction;
   answer.certified = found.solution.certified;
   if (answer.certified && found.verdict != GlobalVerdict::kNoOverlap) answer.verdict = PlaceVerdict::kFound;
   if (found.fit.overlap < kLittleOverlap) answer.evidence = PlaceEvidence::kLittle;

@@ -47,7 +47,8 @@ enum class PlaceEvidence : std::int8_t {
   kLittle,  ///< most of what was seen is not there
   kSome,
   kSound,  ///< nearly all that was seen is there, and nothing contradicts
-  kClear   ///< it has far more matches than any other place, too
+  kClear,  ///< it has far more matches than any other place, too
+  kTwice   ///< two witnesses name it, and nothing contradicts: searches, or a search and the prediction
 };
 
 /// What a search found.
@@ -61,6 +62,7 @@ struct RecoveryAnswer {
   int matches = 0, matches_kept = 0, consensus = 0, upper_bound = 0, runner_up_consensus = 0;
   bool certified = false;
   PlaceEvidence evidence = PlaceEvidence::kSome;
+  double contradiction = 0;  ///< see CloudFit; of the likeliest place
   std::string reason;
   std::int64_t nodes = 0;
   double search_ms = 0, total_ms = 0;  ///< CPU

@@ -19,6 +19,11 @@ constexpr double kSamePlace = 1.0;      // metres: finds of two searches that me
 constexpr double kSameHeading = 6.0 * kDegree;
 constexpr int kAgreeing = 1, kPlanarAgreeing = 3;  // earlier finds: in a plane one room is soon like another
 constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival is enough there
+// What a robot that nobody sees does not do between the last scan that was believed and the first of those
+// that are matched with the map: more makes it another place.
+constexpr double kStrayMetres = 1.0, kStrayRadians = 0.15;                 // at once, and by
+constexpr double kStrayAcceleration = 4.0, kStrayTurnRate = 20 * kDegree;  // m/s^2, rad/s
+constexpr double kMostContradiction = 0.015;
 constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
 
 /// Whether the map at hand is one of that place.
@@ -46,8 +51,9 @@ void Relocation::begin(const Odometer& odometer, const std::optional<Pose>& last
   search_.begin(odometer.state().pose.translation());
 }
 
-void Relocation::end() {
+void Relocation::end(std::int64_t utime) {
   lost_ = false;
+  trusted_utime_ = utime;
   excursion_.reset();
   candidate_.reset();
   search_.begin_anew();
@@ -84,6 +90,8 @@ void Relocation::depart_or_follow(std::int64_t utime, double dt, const PreparedS
   gate_m_ = 0.5 + 3.0 * std::sqrt(covariance.diagonal().head<3>().maxCoeff());
   gate_rad_ = 3.0 * kDegree + 3.0 * std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
   if (!excursion_) excursion_.emplace(config_, utime, scan, odometer.state());
+  departed_ = excursion_->state();
+  blind_s_ = 1e-6 * static_cast<double>(utime - trusted_utime_);
 }
 
 /// The state is where the robot would be, had it not been lost. It knows its way, so that the prediction does
@@ -190,7 +198,10 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   const Pose place = renormalised(answer.map_from_predicted * excursion_->state().pose);
   if (!covers(odometer, place, archive.scene(place.translation())))
     odometer.reload(archive.keyframes(), place.translation(), voxel);
-  const PlaceEvidence evidence = answer.evidence;
+  const bool clear = answer.evidence == PlaceEvidence::kClear;
+  const bool twice = answer.contradiction <= kMostContradiction && !planar &&
+                     ((clear && agreeing >= kAgreeing) || is_expected(answer.map_from_predicted));
+  const PlaceEvidence evidence = twice ? PlaceEvidence::kTwice : answer.evidence;
   candidate_ = Candidate{Contest(places, evidence), std::move(answer)};
 }
 
@@ -215,6 +226,15 @@ std::vector<Pose> Relocation::rivals_of(const RecoveryAnswer& answer) const {
 bool Relocation::agree(const Pose& a, const Pose& b, double metres, double radians) const {
   const Pose& predicted = excursion_->state().pose;
   return near(a * predicted, b * predicted, metres, radians);
+}
+
+/// Whether a correction puts the robot to where it may have come from where it was seen last.
+bool Relocation::is_expected(const Pose& map_from_predicted) const {
+  if (!last_seen_ || blind_s_ > kCoastSeconds) return false;
+  const double turned = kStrayTurnRate * blind_s_, sped = kStrayAcceleration * blind_s_;
+  return near(map_from_predicted * departed_.pose, departed_.pose,
+              kStrayMetres + std::min(0.5 * sped, kStrayMetres + departed_.twist.head<3>().norm()) * blind_s_,
+              kStrayRadians + turned);
 }
 
 void Relocation::propose_here() {

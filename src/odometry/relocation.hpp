@@ -36,8 +36,9 @@ class Relocation {
                 double energy);
   /// Lost at the odometer's state, after it was `last_seen`; nobody knows where, in a map that was loaded.
   void begin(const Odometer& odometer, const std::optional<Pose>& last_seen, const KeyframeArchive& archive);
-  /// The scans are explained again, or there is another map: what was seen since is of no use any more.
-  void end();
+  /// The scan of that time is explained again, or there is another map: what was seen since is of no use any
+  /// more.
+  void end(std::int64_t utime);
 
   /// One scan of a lost robot, `dt` seconds after the last. `attempt`: the one that the outcome rests on.
   /// Where none is followed yet the odometer's state is the prediction for this scan.
@@ -77,14 +78,18 @@ class Relocation {
   void follow_excursion(Odometer& odometer) const;
   std::vector<Pose> rivals_of(const RecoveryAnswer& answer) const;
   bool agree(const Pose& a, const Pose& b, double metres, double radians) const;
+  bool is_expected(const Pose& map_from_predicted) const;
   Recovery recovery_of(const RecoveryAnswer& answer) const;
 
   TrackerConfig config_;
   bool lost_ = false;
   TrackingState state_ = TrackingState::kRecovering;
   std::optional<Pose> last_seen_;
+  std::int64_t trusted_utime_ = 0;
   int scans_ = 0;  ///< since it was lost
   std::optional<Excursion> excursion_;
+  MovingPose departed_;  ///< where it began, and how long after the last trusted scan
+  double blind_s_ = 0;
   double gate_m_ = 0, gate_rad_ = 0;  ///< how far the prediction may be off where the excursion began
   double energy_before_ = 1;
   std::optional<Candidate> candidate_;

@@ -54,7 +54,8 @@ struct Tracker::State {
 
   Pose last_trusted_pose = Pose::Identity();
   std::int64_t last_trusted_utime = 0;
-  int distrusted_scans = 0;  // in a row
+  bool last_looked_around = false;  // the last scan that was trusted
+  int distrusted_scans = 0;         // in a row
   int quiet_scans_left = 0;
   std::uint32_t open_axes = 0;  // the last that a scan left open
   int open_scans = 0;           // those that did, less those that did not
@@ -96,6 +97,7 @@ struct Tracker::State {
     odometer.start(utime, scan, {start_pose, Vector6::Zero()});
     last_trusted_pose = start_pose;
     last_trusted_utime = utime;
+    last_looked_around = looks_around(scan.source);
     distrusted_scans = 0;
     state = TrackingState::kInitialising;
   }
@@ -148,7 +150,8 @@ struct Tracker::State {
     const double least = !health.grown ? kYoungShare : wary ? kWaryShare : kSuddenShare;
     const bool sudden = static_cast<double>(utime - last_trusted_utime) * kMicro < kMoment && suspicious &&
                         health.share < least * health.last_share;
-    return (little || sudden) && looks_around(scan.source);
+    // What comes into view where nothing was seen before is no surprise.
+    return (little || (sudden && last_looked_around)) && looks_around(scan.source);
   }
 
   bool trusted(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) const {
@@ -187,8 +190,9 @@ struct Tracker::State {
     distrusted_scans = 0;
     last_trusted_pose = odometer.state().pose;
     last_trusted_utime = utime;
+    last_looked_around = looks_around(scan.source);
     state = TrackingState::kTracking;
-    relocation.end();
+    relocation.end(utime);
     if (quiet_scans_left > 0) {
       --quiet_scans_left;
       return;
@@ -226,7 +230,8 @@ struct Tracker::State {
     }
     const bool jumped = outcome == Relocation::Outcome::kFound;
     if (jumped) ++epoch;
-    quiet_scans_left = kQuietScans;
+    // On new ground it must grow at once, or the robot has left it.
+    quiet_scans_left = usual_share(attempt.health) ? kQuietScans : 0;
     believe(utime, scan, attempt);
     describe(attempt, jumped ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
   }
@@ -368,7 +373,7 @@ void Tracker::reset() {
 void Tracker::set_pose(const Pose& map_from_body) {
   State& s = *state_;
   ++s.epoch;
-  s.relocation.end();
+  s.relocation.end(s.last_utime);
   s.odometer.set_pose(map_from_body);
   s.start_pose = s.last_trusted_pose = map_from_body;
   s.begun = false;

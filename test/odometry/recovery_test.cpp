@@ -101,6 +101,53 @@ TEST_CASE("what one search finds is not believed before another one agrees unles
   }
 }
 
+TEST_CASE("a robot that was blind is taken back on new ground where it was expected") {
+  const Drive drive{1000, Pose::Identity()};
+  for (const bool contradicted : {false, true}) {
+    CAPTURE(contradicted);
+    Tracker tracker(TrackerConfig{});
+    PlaceFinder finder;
+    int back = -1;
+    for (int i = 0; i < 60; ++i) {
+      Scan scan = i < 25 ? half_of(drive.scan(i)) : drive.scan(i);
+      if (i >= 25 && i < 40) scan.points = {};
+      const TrackedScan tracked = tracker.track(scan);
+      if (i >= 26 && i < 40) CHECK(tracked.state != TrackingState::kTracking);
+      if (tracked.method == PoseMethod::kGlobal) back = i;
+      if (back >= 0) {
+        CHECK(tracked.state == TrackingState::kTracking);
+        CHECK(error(drive.pose(0).inverse() * drive.pose(i), tracked.map_from_body) < 0.05);
+      }
+      const auto request = tracker.take_request();
+      if (!request) continue;
+      RecoveryAnswer answer = finder.find(*request);
+      if (contradicted) answer.contradiction = 0.02;
+      tracker.give(std::move(answer));
+    }
+    CHECK((back >= 40) == !contradicted);
+  }
+}
+
+TEST_CASE("a kidnapped robot that sees much new ground is taken back when two searches agree") {
+  const Drive drive{25, at(0, -2, 100 * kDegree)};
+  Tracker tracker(TrackerConfig{});
+  PlaceFinder finder;
+  int answers = 0, back = -1;
+  for (int i = 0; i < 60; ++i) {
+    const TrackedScan tracked = tracker.track(i < drive.kidnap ? half_of(drive.scan(i)) : drive.scan(i));
+    if (tracked.method == PoseMethod::kGlobal) back = i;
+    if (back >= 0) CHECK(error(drive.pose(0).inverse() * drive.pose(i), tracked.map_from_body) < 0.05);
+    const auto request = tracker.take_request();
+    if (!request) continue;
+    RecoveryAnswer answer = finder.find(*request);
+    answer.evidence = PlaceEvidence::kClear;
+    answers += answer.verdict == PlaceVerdict::kFound;
+    tracker.give(std::move(answer));
+  }
+  CHECK(answers == 2);
+  CHECK(back > drive.kidnap);
+}
+
 TEST_CASE("a planar sensor needs four finds that agree and show half of what is seen") {
   const Drive drive{60, at(-5, 1, 20 * kDegree)};
   for (const bool little : {false, true}) {

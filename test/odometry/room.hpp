@@ -54,6 +54,18 @@ inline Scan hall_scan(const Pose& pose, const Vector6& twist, std::int64_t utime
   return scan;
 }
 
+/// The same scan with what is left of the sensor covered.
+inline Scan half_of(const Scan& scan) {
+  Scan half;
+  half.utime = scan.utime;
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    if (scan.points.y[i] > 0) continue;
+    half.points.push_back(scan.points.point(i));
+    half.points.time.push_back(scan.points.time[i]);
+  }
+  return half;
+}
+
 /// The same hall, seen by a sensor of one plane with a beam a degree; ranges have noise.
 inline Scan planar_hall_scan(const Pose& pose, const Vector6& twist, std::int64_t utime, unsigned seed) {
   std::mt19937 rng(seed);

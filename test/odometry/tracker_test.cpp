@@ -150,6 +150,19 @@ TEST_CASE("a carried sensor is never reported as tracking a guess and the map fr
   CHECK((drive.pose(0).inverse() * drive.pose(15)).isApprox(back.map_from_body, 0.02));
 }
 
+TEST_CASE("what a cover hid does not surprise when it is taken away") {
+  const Drive drive(at(-6, -1, 0), twist(1, 0, 0));
+  Tracker tracker(TrackerConfig{});
+  for (int i = 0; i < 40; ++i) {
+    Scan scan = i < 25 ? half_of(drive.scan(i)) : drive.scan(i);
+    for (std::size_t k = 0; i >= 25 && k < scan.points.size(); k += 8) scan.points.x[k] *= 1.02f;  // leaves
+    const TrackedScan tracked = tracker.track(scan);
+    if (i > 0) CHECK(tracked.method == PoseMethod::kIcp);
+    if (i > 0 && i != 25) CHECK(tracked.state == TrackingState::kTracking);
+    CHECK(drive.error(i, tracked).norm() < 0.05);
+  }
+}
+
 TEST_CASE("a scan of which the map knows little is tracked, and said to be so") {
   const Drive drive(at(0, 0, 0), twist(1, 0, 0));
   Tracker tracker(TrackerConfig{});
