@@ -22,7 +22,7 @@ constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is bette
 constexpr double kFirstSigma = 0.03;
 constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on Gaussian residuals
 
-constexpr int kDeskewRounds = 4;
+constexpr int kDeskewRounds = 3;
 // A wrong velocity bends the first scan by half of its error, on average over the sweep, and the way to the
 // second one is wrong by the other half.
 constexpr double kBendShare = 2;
@@ -34,8 +34,6 @@ constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history says
 constexpr double kMostAtFirst = 0.7;  // a map of few scans is thin
 constexpr double kUsualShare = 0.8;
-
-constexpr std::size_t kPartPoints = 800;  // of a scan, to see whether it fits at all
 
 }  // namespace
 
@@ -52,7 +50,7 @@ void Odometer::start(std::int64_t utime, const PreparedScan& scan, const MovingP
   set_planar(scan.planar);
   filter_.start(guess);
   first_.utime = utime;
-  first_.points = scan.fine;
+  first_.points = scan.fine.has_times() ? scan.fine : PointCloud{};
   insert(utime, scan, filter_.state());
 }
 
@@ -108,7 +106,7 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
 }
 
 Attempt Odometer::probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach) {
-  Attempt part = align(part_of(scan), prior, reach);
+  Attempt part = align(part_of(scan, kLookPoints), prior, reach);
   if (!explains(part, kHopelessScore)) return part;
   if (reach == Reach::kNear) return align(scan, prior, reach);
   MotionPrior arrived = prior;  // the part went the far way already
@@ -119,12 +117,11 @@ Attempt Odometer::probe(const PreparedScan& scan, const MotionPrior& prior, Reac
 }
 
 Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt attempt) {
-  if (first_.points.empty()) return attempt;
+  if (!awaits_second()) return attempt;
   PreparedScan again;
   again.fine = std::move(first_.points);
   again.voxel = scan.voxel;
   first_.points = {};
-  if (!again.fine.has_times()) return attempt;
   const Pose pose = last_keyframe_pose_;
   const auto [earliest, latest] = std::minmax_element(again.fine.time.begin(), again.fine.time.end());
   const double sweep = static_cast<double>(*latest) - *earliest;
@@ -152,7 +149,7 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
     double cost = std::numeric_limits<double>::infinity();
     MotionPrior prior;
   };
-  const PreparedScan part = part_of(scan);  // will do for the way there
+  const PreparedScan part = part_of(scan, kDeskewPoints);  // will do for the way there
   const auto settle = [&](const Attempt& begin) {
     Guess best;
     MovingPose second = gapless ? moving_at(velocity(begin)) : begin.alignment.moving;
@@ -224,12 +221,12 @@ bool usual_share(const Health& health) {
   return health.share >= kUsualShare * health.usual_share;
 }
 
-PreparedScan part_of(const PreparedScan& scan) {
+PreparedScan part_of(const PreparedScan& scan, std::size_t points) {
   PreparedScan part;
   part.voxel = scan.voxel;
   part.median_range = scan.median_range;
   std::vector<std::uint32_t> indices;
-  const std::size_t step = std::max<std::size_t>(scan.source.size() / kPartPoints, 1);
+  const std::size_t step = std::max<std::size_t>(scan.source.size() / points, 1);
   for (std::size_t i = 0; i < scan.source.size(); i += step) indices.push_back(static_cast<std::uint32_t>(i));
   part.source = select(scan.source, indices);
   return part;

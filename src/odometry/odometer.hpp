@@ -26,6 +26,9 @@ inline constexpr double kCalmScore = 4.0;  ///< hysteresis: what a lost robot mu
 /// A robot that sees nothing is predicted at its last velocity for so long, then as standing.
 inline constexpr double kCoastSeconds = 3.0;
 
+// Points of a scan that tell whether it fits at all, and how the robot moved.
+inline constexpr std::size_t kLookPoints = 400, kDeskewPoints = 800;
+
 /// How far an alignment looks for its surfaces: far where the prediction may be off.
 enum class Reach : std::int8_t { kNear, kFar };
 
@@ -60,6 +63,8 @@ class Odometer {
   /// The same where success is unlikely: a part of the points is tried first, and when that does not come
   /// near to explaining itself, it is what comes back. An alignment that fails takes the longest of all.
   Attempt probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
+  /// Whether the next scan is that second one, for which an attempt with kDeskewPoints will do.
+  bool awaits_second() const { return !first_.points.empty(); }
   /// Aligns with the first scan, after that one's own motion was taken out: possible only once a second one
   /// shows the velocity, `dt` seconds later. Other attempts come back as they are.
   Attempt deskew_first(const PreparedScan& scan, double dt, Attempt attempt);
@@ -105,8 +110,8 @@ bool explains(const Attempt& attempt, double most_score);
 /// Whether the share of inliers is about the usual one: less is new ground, or another place.
 bool usual_share(const Health& health);
 
-/// The same scan with fewer points to align: enough to tell whether it fits at all.
-PreparedScan part_of(const PreparedScan& scan);
+/// The same scan with about so many points to align.
+PreparedScan part_of(const PreparedScan& scan, std::size_t points);
 
 /// The one that leaves less unexplained.
 Attempt better(Attempt a, Attempt b);

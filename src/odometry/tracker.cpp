@@ -110,7 +110,7 @@ struct Tracker::State {
     const bool fits = best.health.score < kFitScore || usual_share(best.health);
     if (explains(best, kJumpScore) && fits) return best;
     // A far look is dear, and a part of the points will do for it: the next scan must not wait.
-    const PreparedScan part = part_of(scan);
+    const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);
     Attempt far = odometer.align(part, loose, Reach::kFar);
     const bool moved =
@@ -119,7 +119,8 @@ struct Tracker::State {
       loose.mean = {last_trusted_pose, Vector6::Zero()};
       far = better(std::move(far), odometer.align(part, loose, Reach::kFar));
     }
-    if (explains(far, kHopelessScore)) {
+    far.prior = prior;
+    if (explains(far, kHopelessScore) && plausible(far)) {
       loose.mean = far.alignment.moving;
       best = better(std::move(best), odometer.align(scan, loose, Reach::kNear));
     }
