@@ -21,4 +21,10 @@ struct Degeneracy {
 };
 Degeneracy find_degeneracy(const Matrix6& information);
 
+/// Takes from a motion what the scene leaves open: M x is x without the translations along which it slides
+/// freely, the rotations that go with them included. Identity where all are observed; in between a share, for
+/// a threshold would make the motion jump. (Solution remapping, Zhang, Kaess, Singh: On degeneracy of
+/// optimization-based state estimation problems.) Of rotations nothing is taken: noise holds them.
+Matrix6 observed_motion(const Matrix6& information);
+
 }  // namespace scanlock

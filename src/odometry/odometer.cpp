@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/voxel_grid.hpp"
+#include "icp/degeneracy.hpp"
 
 namespace scanlock {
 namespace {
@@ -29,11 +30,28 @@ constexpr double kBendShare = 2;
 constexpr double kClearlyLess = 0.9;  // of the cost
 constexpr double kAtRest = 0.3;       // voxels that a robot at rest seems to move between two scans
 
+constexpr std::size_t kFewKeyframes = 8;  // make a map that is open for want of points
+
 constexpr double kLeastShare = 0.3;
 constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history says
 constexpr double kMostAtFirst = 0.7;  // a map of few scans is thin
 constexpr double kUsualShare = 0.8;
+
+/// Along what a scene leaves open the motion goes on as it was: the surfaces of a tunnel are seen where the
+/// robot was before, so that an alignment holds it back a little in each scan.
+ScanAlignment observed_part(ScanAlignment alignment, const MotionPrior& prior) {
+  const Matrix6 observed = observed_motion(alignment.information.topLeftCorner<6, 6>());
+  if (observed == Matrix6::Identity()) return alignment;
+  MovingPose& moving = alignment.moving;
+  const MovingPose& predicted = prior.mean;
+  moving.pose = predicted.pose * se3_exp(observed * se3_log(predicted.pose.inverse() * moving.pose));
+  moving.twist = predicted.twist + observed * (moving.twist - predicted.twist);
+  Matrix12 both = Matrix12::Zero();
+  both.topLeftCorner<6, 6>() = both.bottomRightCorner<6, 6>() = observed;
+  alignment.information = both.transpose() * alignment.information * both;
+  return alignment;
+}
 
 }  // namespace
 
@@ -186,7 +204,10 @@ void Odometer::accept(const Attempt& attempt) {
   share_ += 0.3 * (std::max(attempt.health.share, kLeastShare) - share_);
   const double seen = std::max(1.4826 * attempt.alignment.median_residual, kLeastSigma);
   sigma_ += 0.1 * (std::min(seen, 2.0 * sigma_) - sigma_);
-  filter_.update(attempt.prior, attempt.alignment, sigma_ * sigma_ * inflation());
+  filter_.update(attempt.prior,
+                 map_.keyframes().size() < kFewKeyframes ? attempt.alignment
+                                                         : observed_part(attempt.alignment, attempt.prior),
+                 sigma_ * sigma_ * inflation());
   health_.remember(attempt.health);
 }
 

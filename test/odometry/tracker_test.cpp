@@ -4,7 +4,10 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <random>
 
 #include "room.hpp"
 
@@ -161,6 +164,43 @@ TEST_CASE("what a cover hid does not surprise when it is taken away") {
     if (i > 0 && i != 25) CHECK(tracked.state == TrackingState::kTracking);
     CHECK(drive.error(i, tracked).norm() < 0.05);
   }
+}
+
+TEST_CASE("in a tunnel the robot goes on as it came, and says that it does not see how far") {
+  // 8 x 6 m, it begins with a wall; sixteen beams that see 40 m.
+  const double speed = 8;
+  const auto way = [&](double t) { return t < 4 ? t * t : 16 + speed * (t - 4); };
+  TrackerConfig config;
+  config.max_range_m = 40;
+  Tracker tracker(config);
+  TrackedScan tracked;
+  for (int i = 0; i < 140; ++i) {
+    std::mt19937 rng(static_cast<unsigned>(i));
+    std::normal_distribution<double> noise(0, 0.02);
+    Scan scan;
+    scan.utime = Drive::utime(i);
+    for (int beam = 0; beam < 16; ++beam) {
+      for (int step = 0; step < 1200; ++step) {
+        const double time = 0.1 * step / 1200, azimuth = 2 * 3.14159265358979 * step / 1200;
+        const double elevation = (2 * beam - 15) * kDegree, x = way(0.1 * i + time);
+        const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
+                                  std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+        const double side = std::max(std::abs(ray.y()) / 4, std::abs(ray.z()) / 3);
+        const double wall = ray.x() < 0 ? (-10 - x) / ray.x() : 1e9;
+        const double range = std::min(1 / side, wall) + noise(rng);
+        if (range > 60) continue;
+        scan.points.push_back((range * ray).cast<float>());
+        scan.points.time.push_back(static_cast<float>(time));
+      }
+    }
+    tracked = tracker.track(scan);
+  }
+  CHECK(tracked.state == TrackingState::kDegraded);
+  CHECK((tracked.degenerate_axes & 1u) == 1u);
+  CHECK(std::abs(tracked.map_from_body.translation().x() - way(13.9)) < 4);
+  CHECK(tracked.map_from_body.translation().tail<2>().norm() < 0.5);
+  CHECK(tracked.twist[0] == doctest::Approx(speed).epsilon(0.05));
+  CHECK(std::sqrt(tracked.covariance(0, 0)) > 0.3);  // metres: it knows that it does not know
 }
 
 TEST_CASE("a scan of which the map knows little is tracked, and said to be so") {
