@@ -9,6 +9,7 @@
 #include "geometry/angles.hpp"
 #include "icp/degeneracy.hpp"
 #include "odometry/odometer.hpp"
+#include "odometry/open_axes.hpp"
 #include "odometry/relocation.hpp"
 #include "odometry/scan_preparation.hpp"
 
@@ -25,10 +26,9 @@ constexpr double kMoment = 0.35;  // seconds
 // the median range, and this turn.
 constexpr double kWithinReach = 0.08, kWithinTurn = 5.0 * kDegree;
 constexpr double kDegradedShare = 0.4;  // of the points of a scan: fewer are explained
-constexpr int kMostOpen = 20, kStillOpen = 5;
-constexpr int kQuietScans = 5;   // after that, before the map may grow
-constexpr int kAttitudes = 100;  // that the upward direction is averaged over
-constexpr int kFalseStarts = 3;  // scans that do not fit the first one: it was no good
+constexpr int kQuietScans = 5;          // after that, before the map may grow
+constexpr int kAttitudes = 100;         // that the upward direction is averaged over
+constexpr int kFalseStarts = 3;         // scans that do not fit the first one: it was no good
 
 Eigen::Vector3d up_in_body(const ScanPrior& hints) {
   return hints.level_from_body->conjugate() * Eigen::Vector3d::UnitZ();
@@ -57,8 +57,7 @@ struct Tracker::State {
   bool last_looked_around = false;  // the last scan that was trusted
   int distrusted_scans = 0;         // in a row
   int quiet_scans_left = 0;
-  std::uint32_t open_axes = 0;  // the last that a scan left open
-  int open_scans = 0;           // those that did, less those that did not
+  OpenAxes open_axes;
 
   Relocation relocation;
 
@@ -258,21 +257,10 @@ struct Tracker::State {
 
   TrackingState reported_state() const { return relocation.lost() ? relocation.state() : state; }
 
-  /// After a long stretch without an axis a single scan that seems to show it proves nothing.
-  void name_open_axes(TrackedScan* tracked) {
-    if (tracked->degenerate_axes != 0) {
-      open_axes = tracked->degenerate_axes;
-      open_scans = std::min(open_scans + 1, kMostOpen);
-    } else {
-      open_scans = std::max(open_scans - 1, 0);
-      if (open_scans >= kStillOpen) tracked->degenerate_axes = open_axes;
-    }
-  }
-
   void report(TrackedScan* tracked) {
     tracked->state = reported_state();
     if (tracked->state == TrackingState::kTracking) {
-      name_open_axes(tracked);
+      tracked->degenerate_axes = open_axes.note(tracked->degenerate_axes);
       const bool little = tracked->inliers < kDegradedShare * tracked->points_used;
       if (tracked->degenerate_axes != 0 || little) tracked->state = TrackingState::kDegraded;
     }
