@@ -172,6 +172,7 @@ struct Tracker::State {
     }
     finished(Stage::kAlign);
     if (trusted(utime, scan, attempt)) {
+      if (hints.motion) attempt.prior.mean = predict(dt, hints).mean;  // for what the scene leaves open
       believe(utime, scan, attempt);
       describe(attempt, PoseMethod::kIcp, tracked);
       return;

@@ -47,6 +47,36 @@ Pose at(double x, double y, double yaw) {
   return pose;
 }
 
+TrackerConfig tunnel_config() {
+  TrackerConfig config;
+  config.max_range_m = 40;
+  return config;
+}
+
+/// A tunnel of 8 x 6 m that begins with a wall, seen by sixteen beams `way(t)` metres along it.
+template <class Way>
+Scan tunnel_scan(int i, const Way& way) {
+  std::mt19937 rng(static_cast<unsigned>(i));
+  std::normal_distribution<double> noise(0, 0.02);
+  Scan scan;
+  scan.utime = Drive::utime(i);
+  for (int beam = 0; beam < 16; ++beam) {
+    for (int step = 0; step < 1200; ++step) {
+      const double time = 0.1 * step / 1200, azimuth = 2 * 3.14159265358979 * step / 1200;
+      const double elevation = (2 * beam - 15) * kDegree, x = way(0.1 * i + time);
+      const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
+                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      const double side = std::max(std::abs(ray.y()) / 4, std::abs(ray.z()) / 3);
+      const double wall = ray.x() < 0 ? (-10 - x) / ray.x() : 1e9;
+      const double range = std::min(1 / side, wall) + noise(rng);
+      if (range > 60) continue;
+      scan.points.push_back((range * ray).cast<float>());
+      scan.points.time.push_back(static_cast<float>(time));
+    }
+  }
+  return scan;
+}
+
 }  // namespace
 
 TEST_CASE("a drive with motion within the scans is tracked to centimetres with its velocity") {
@@ -167,40 +197,35 @@ TEST_CASE("what a cover hid does not surprise when it is taken away") {
 }
 
 TEST_CASE("in a tunnel the robot goes on as it came, and says that it does not see how far") {
-  // 8 x 6 m, it begins with a wall; sixteen beams that see 40 m.
   const double speed = 8;
   const auto way = [&](double t) { return t < 4 ? t * t : 16 + speed * (t - 4); };
-  TrackerConfig config;
-  config.max_range_m = 40;
-  Tracker tracker(config);
+  Tracker tracker(tunnel_config());
   TrackedScan tracked;
-  for (int i = 0; i < 140; ++i) {
-    std::mt19937 rng(static_cast<unsigned>(i));
-    std::normal_distribution<double> noise(0, 0.02);
-    Scan scan;
-    scan.utime = Drive::utime(i);
-    for (int beam = 0; beam < 16; ++beam) {
-      for (int step = 0; step < 1200; ++step) {
-        const double time = 0.1 * step / 1200, azimuth = 2 * 3.14159265358979 * step / 1200;
-        const double elevation = (2 * beam - 15) * kDegree, x = way(0.1 * i + time);
-        const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
-                                  std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-        const double side = std::max(std::abs(ray.y()) / 4, std::abs(ray.z()) / 3);
-        const double wall = ray.x() < 0 ? (-10 - x) / ray.x() : 1e9;
-        const double range = std::min(1 / side, wall) + noise(rng);
-        if (range > 60) continue;
-        scan.points.push_back((range * ray).cast<float>());
-        scan.points.time.push_back(static_cast<float>(time));
-      }
-    }
-    tracked = tracker.track(scan);
-  }
+  for (int i = 0; i < 140; ++i) tracked = tracker.track(tunnel_scan(i, way));
   CHECK(tracked.state == TrackingState::kDegraded);
   CHECK((tracked.degenerate_axes & 1u) == 1u);
   CHECK(std::abs(tracked.map_from_body.translation().x() - way(13.9)) < 4);
   CHECK(tracked.map_from_body.translation().tail<2>().norm() < 0.5);
   CHECK(tracked.twist[0] == doctest::Approx(speed).epsilon(0.05));
   CHECK(std::sqrt(tracked.covariance(0, 0)) > 0.3);  // metres: it knows that it does not know
+}
+
+TEST_CASE("in a tunnel odometry says how far the robot went") {
+  // It brakes where nothing shows it, and stands.
+  const auto way = [](double t) {
+    const double braking = std::clamp(t - 8, 0.0, 4.0);
+    return (t < 4 ? t * t : 16 + 8 * (std::min(t, 8.0) - 4)) + 8 * braking - braking * braking;
+  };
+  Tracker tracker(tunnel_config());
+  TrackedScan tracked;
+  for (int i = 0; i < 140; ++i) {
+    ScanPrior hints;
+    hints.motion = at(way(0.1 * i) - way(0.1 * (i - 1)), 0, 0);
+    tracked = tracker.track(tunnel_scan(i, way), i > 0 ? hints : ScanPrior{});
+  }
+  CHECK(tracked.state == TrackingState::kDegraded);
+  CHECK(std::abs(tracked.map_from_body.translation().x() - way(13.9)) < 1);
+  CHECK(std::abs(tracked.twist[0]) < 0.2);
 }
 
 TEST_CASE("a scan of which the map knows little is tracked, and said to be so") {
