@@ -108,7 +108,7 @@ TEST_CASE("a robot that was blind is taken back on new ground where it was expec
     Tracker tracker(TrackerConfig{});
     PlaceFinder finder;
     int back = -1;
-    for (int i = 0; i < 60; ++i) {
+    for (int i = 0; i < 54; ++i) {
       Scan scan = i < 25 ? half_of(drive.scan(i)) : drive.scan(i);
       if (i >= 25 && i < 40) scan.points = {};
       const TrackedScan tracked = tracker.track(scan);
@@ -133,7 +133,7 @@ TEST_CASE("a kidnapped robot that sees much new ground is taken back when two se
   Tracker tracker(TrackerConfig{});
   PlaceFinder finder;
   int answers = 0, back = -1;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 45; ++i) {
     const TrackedScan tracked = tracker.track(i < drive.kidnap ? half_of(drive.scan(i)) : drive.scan(i));
     if (tracked.method == PoseMethod::kGlobal) back = i;
     if (back >= 0) CHECK(error(drive.pose(0).inverse() * drive.pose(i), tracked.map_from_body) < 0.05);
