@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace scanlock {
 namespace {
@@ -23,53 +24,68 @@ Eigen::Matrix3d inverse(const Eigen::Matrix3d& block) {
   return (block + Eigen::Matrix3d::Identity() * (1e-9 * block.trace() + 1e-300)).inverse();
 }
 
-Eigen::Matrix3d schur(const Eigen::Matrix3d& kept, const Eigen::Matrix3d& coupling,
-                      const Eigen::Matrix3d& removed) {
-  return kept - coupling * inverse(removed) * coupling.transpose();
+/// The blocks of an information matrix for three of its unknowns and the three others.
+struct Blocks {
+  Eigen::Matrix3d kept, coupling, removed;
+};
+
+Blocks translations_of(const Matrix6& information) {
+  return {information.topLeftCorner<3, 3>(), information.topRightCorner<3, 3>(),
+          information.bottomRightCorner<3, 3>()};
 }
 
-double examine(const Eigen::Matrix3d& block, double trace, double threshold, int first_bit,
-               std::uint32_t* axes) {
-  if (!(trace > 0)) {
+Blocks rotations_of(const Matrix6& information) {
+  return {information.bottomRightCorner<3, 3>(), information.bottomLeftCorner<3, 3>(),
+          information.topLeftCorner<3, 3>()};
+}
+
+/// Directions of the kept unknowns and what is known along each, over the block's trace; nothing where that
+/// is 0.
+std::optional<Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>> spectrum(const Blocks& blocks) {
+  const double trace = blocks.kept.trace();
+  if (!(trace > 0)) return std::nullopt;
+  const Eigen::Matrix3d seen =
+      blocks.kept - blocks.coupling * inverse(blocks.removed) * blocks.coupling.transpose();
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(seen / trace);
+}
+
+double examine(const Blocks& blocks, double threshold, int first_bit, std::uint32_t* axes) {
+  const auto directions = spectrum(blocks);
+  if (!directions) {
     *axes |= 7u << first_bit;
     return 0;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(block / trace);
   for (int k = 0; k < 3; ++k) {
-    if (solver.eigenvalues()[k] > threshold) continue;
+    if (directions->eigenvalues()[k] > threshold) continue;
     for (int axis = 0; axis < 3; ++axis) {
-      if (std::abs(solver.eigenvectors()(axis, k)) > kShareOfAxis) *axes |= 1u << (first_bit + axis);
+      if (std::abs(directions->eigenvectors()(axis, k)) > kShareOfAxis) *axes |= 1u << (first_bit + axis);
     }
   }
-  return solver.eigenvalues()[0];
+  return directions->eigenvalues()[0];
 }
 
 }  // namespace
 
 Degeneracy find_degeneracy(const Matrix6& information) {
-  const Eigen::Matrix3d tt = information.topLeftCorner<3, 3>(), rr = information.bottomRightCorner<3, 3>();
-  const Eigen::Matrix3d tr = information.topRightCorner<3, 3>();
   Degeneracy result;
-  result.weakest_translation = examine(schur(tt, tr, rr), tt.trace(), kWeakTranslation, 0, &result.axes);
-  result.weakest_rotation =
-      examine(schur(rr, tr.transpose(), tt), rr.trace(), kWeakRotation, 3, &result.axes);
+  result.weakest_translation = examine(translations_of(information), kWeakTranslation, 0, &result.axes);
+  result.weakest_rotation = examine(rotations_of(information), kWeakRotation, 3, &result.axes);
   return result;
 }
 
 Matrix6 observed_motion(const Matrix6& information) {
-  const Eigen::Matrix3d tt = information.topLeftCorner<3, 3>(), rr = information.bottomRightCorner<3, 3>();
-  const Eigen::Matrix3d tr = information.topRightCorner<3, 3>();
   Matrix6 observed = Matrix6::Identity();
-  if (!(tt.trace() > 0)) return observed;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(schur(tt, tr, rr) / tt.trace());
+  const Blocks blocks = translations_of(information);
+  const auto directions = spectrum(blocks);
+  if (!directions) return observed;
   Eigen::Matrix3d open = Eigen::Matrix3d::Zero();
   for (int k = 0; k < 3; ++k) {
-    const Eigen::Vector3d direction = solver.eigenvectors().col(k);
-    const double seen = (solver.eigenvalues()[k] - kNoTranslation) / (kSomeTranslation - kNoTranslation);
+    const Eigen::Vector3d direction = directions->eigenvectors().col(k);
+    const double seen = (directions->eigenvalues()[k] - kNoTranslation) / (kSomeTranslation - kNoTranslation);
     open += (1.0 - std::clamp(seen, 0.0, 1.0)) * direction * direction.transpose();
   }
   observed.topLeftCorner<3, 3>() -= open;
-  observed.bottomLeftCorner<3, 3>() += inverse(rr) * tr.transpose() * open;
+  observed.bottomLeftCorner<3, 3>() += inverse(blocks.removed) * blocks.coupling.transpose() * open;
   return observed;
 }
 
