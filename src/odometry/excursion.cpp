@@ -21,8 +21,9 @@ Excursion::Excursion(const TrackerConfig& config, std::int64_t utime, const Prep
 
 bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) {
   const MotionPrior prior = odometer_.predict(dt);
-  const bool second = odometer_.awaits_second();
-  Attempt attempt = odometer_.align(second ? part_of(scan, kDeskewPoints) : scan, prior, Reach::kNear);
+  Attempt attempt = odometer_.awaits_second()
+                        ? odometer_.align(part_of(scan, kDeskewPoints), prior, Reach::kNear)
+                        : odometer_.align(scan, prior, Reach::kNear);
   attempt = odometer_.deskew_first(scan, dt, std::move(attempt));
   if (!explains(attempt, kJumpScore)) {
     attempt = better(std::move(attempt), odometer_.probe(scan, loosened(prior), Reach::kFar));
