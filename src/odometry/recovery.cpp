@@ -17,7 +17,7 @@ constexpr double kKeypoints = 1000;  // of the source; of the target as many per
 constexpr double kMostWider = 3;     // is the target taken to be
 constexpr std::size_t kTargets = 6;  // remembered, of some megabytes each
 // In strange buildings no favourite of 358 searches had such an overlap.
-constexpr double kSoundOverlap = 0.85, kSoundContradiction = 0.015;
+constexpr double kSoundOverlap = 0.85;
 // Of two searches with a planar sensor in strange buildings that were taken in, it was a third.
 constexpr double kLittleOverlap = 0.5;
 constexpr std::size_t kMaxNodes = 20000;  // of a search: some tenths of a second

@@ -51,6 +51,9 @@ enum class PlaceEvidence : std::int8_t {
   kTwice   ///< two witnesses name it, and nothing contradicts: searches, or a search and the prediction
 };
 
+/// Of what was seen, the share that contradicts a place (see CloudFit) which is sound nevertheless.
+inline constexpr double kSoundContradiction = 0.015;
+
 /// What a search found.
 struct RecoveryAnswer {
   std::int64_t serial = 0;

@@ -23,7 +23,6 @@ constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival
 // that are matched with the map: more makes it another place.
 constexpr double kStrayMetres = 1.0, kStrayRadians = 0.15;                 // at once, and by
 constexpr double kStrayAcceleration = 4.0, kStrayTurnRate = 20 * kDegree;  // m/s^2, rad/s
-constexpr double kMostContradiction = 0.015;
 constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
 
 /// Whether the map at hand is one of that place.
@@ -42,7 +41,7 @@ void Relocation::distrust(std::int64_t utime, double dt, const PreparedScan& sca
   depart_or_follow(utime, dt, scan, odometer);
 }
 
-void Relocation::begin(const Odometer& odometer, const std::optional<Pose>& last_seen,
+void Relocation::begin(const Odometer& odometer, const std::optional<Sighting>& last_seen,
                        const KeyframeArchive& archive) {
   lost_ = true;
   scans_ = 0;
@@ -51,9 +50,8 @@ void Relocation::begin(const Odometer& odometer, const std::optional<Pose>& last
   search_.begin(odometer.state().pose.translation());
 }
 
-void Relocation::end(std::int64_t utime) {
+void Relocation::end() {
   lost_ = false;
-  trusted_utime_ = utime;
   excursion_.reset();
   candidate_.reset();
   search_.begin_anew();
@@ -91,7 +89,7 @@ void Relocation::depart_or_follow(std::int64_t utime, double dt, const PreparedS
   gate_rad_ = 3.0 * kDegree + 3.0 * std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
   if (!excursion_) excursion_.emplace(config_, utime, scan, odometer.state());
   departed_ = excursion_->state();
-  blind_s_ = 1e-6 * static_cast<double>(utime - trusted_utime_);
+  departed_utime_ = utime;
 }
 
 /// The state is where the robot would be, had it not been lost. It knows its way, so that the prediction does
@@ -111,12 +109,12 @@ void Relocation::feel(const PreparedScan& scan, Odometer& odometer, Attempt* att
   const MovingPose& predicted = excursion_->state();
   MotionPrior prior;
   prior.mean = predicted;
-  if (standing) prior.mean.pose = *last_seen_;
+  if (standing) prior.mean.pose = last_seen_->map_from_body;
   prior.information = prior_information(gate_m_, gate_rad_, excursion_->covariance());
   *attempt = odometer.probe(scan, prior, gate_m_ < kFarGate ? Reach::kNear : Reach::kFar);
   const Pose& found = attempt->alignment.moving.pose;
   const double share = usual_share(attempt->health) ? 1.0 : 0.4;  // of the gate
-  const bool there = standing ? near(found, *last_seen_, share * 0.5, share * 5.0 * kDegree)
+  const bool there = standing ? near(found, last_seen_->map_from_body, share * 0.5, share * 5.0 * kDegree)
                               : near(found, predicted.pose, share * gate_m_, share * gate_rad_);
   if (there && explains(*attempt, kCalmScore))
     candidate_ = Candidate{Contest(renormalised(found * predicted.pose.inverse()), 1), std::nullopt};
@@ -179,13 +177,12 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     return;
   }
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
-  const bool planar = excursion_->planar();
+  const bool planar = excursion_->planar(), clear = answer.evidence == PlaceEvidence::kClear;
   const auto agreeing = std::count_if(earlier_finds_.begin(), earlier_finds_.end(), [&](const Pose& other) {
     return agree(other, answer.map_from_predicted, kSamePlace, kSameHeading);
   });
   const bool little = planar && answer.evidence == PlaceEvidence::kLittle;
-  const bool enough = planar ? !little && agreeing >= kPlanarAgreeing
-                             : answer.evidence == PlaceEvidence::kClear || agreeing >= kAgreeing;
+  const bool enough = planar ? !little && agreeing >= kPlanarAgreeing : clear || agreeing >= kAgreeing;
   std::vector<Pose> places = rivals_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
   if (!little) earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);
@@ -198,8 +195,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   const Pose place = renormalised(answer.map_from_predicted * excursion_->state().pose);
   if (!covers(odometer, place, archive.scene(place.translation())))
     odometer.reload(archive.keyframes(), place.translation(), voxel);
-  const bool clear = answer.evidence == PlaceEvidence::kClear;
-  const bool twice = answer.contradiction <= kMostContradiction && !planar &&
+  const bool twice = answer.contradiction <= kSoundContradiction && !planar &&
                      ((clear && agreeing >= kAgreeing) || is_expected(answer.map_from_predicted));
   const PlaceEvidence evidence = twice ? PlaceEvidence::kTwice : answer.evidence;
   candidate_ = Candidate{Contest(places, evidence), std::move(answer)};
@@ -230,10 +226,12 @@ bool Relocation::agree(const Pose& a, const Pose& b, double metres, double radia
 
 /// Whether a correction puts the robot to where it may have come from where it was seen last.
 bool Relocation::is_expected(const Pose& map_from_predicted) const {
-  if (!last_seen_ || blind_s_ > kCoastSeconds) return false;
-  const double turned = kStrayTurnRate * blind_s_, sped = kStrayAcceleration * blind_s_;
+  if (!last_seen_) return false;
+  const double blind_s = 1e-6 * static_cast<double>(departed_utime_ - last_seen_->utime);
+  if (blind_s > kCoastSeconds) return false;
+  const double turned = kStrayTurnRate * blind_s, sped = kStrayAcceleration * blind_s;
   return near(map_from_predicted * departed_.pose, departed_.pose,
-              kStrayMetres + std::min(0.5 * sped, kStrayMetres + departed_.twist.head<3>().norm()) * blind_s_,
+              kStrayMetres + std::min(0.5 * sped, kStrayMetres + departed_.twist.head<3>().norm()) * blind_s,
               kStrayRadians + turned);
 }
 

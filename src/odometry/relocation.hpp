@@ -17,6 +17,12 @@
 
 namespace scanlock {
 
+/// Where a body was for sure, and when.
+struct Sighting {
+  Pose map_from_body = Pose::Identity();
+  std::int64_t utime = 0;  ///< microseconds
+};
+
 /// What a tracker does whose map does not explain what it sees: it goes on by an excursion from the first
 /// scan that it distrusts, tries where it must be if it was only blinded, asks for searches of its place,
 /// and believes a place only after the scans that follow have decided between all that come into question.
@@ -35,10 +41,10 @@ class Relocation {
   void distrust(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer,
                 double energy);
   /// Lost at the odometer's state, after it was `last_seen`; nobody knows where, in a map that was loaded.
-  void begin(const Odometer& odometer, const std::optional<Pose>& last_seen, const KeyframeArchive& archive);
-  /// The scan of that time is explained again, or there is another map: what was seen since is of no use any
-  /// more.
-  void end(std::int64_t utime);
+  void begin(const Odometer& odometer, const std::optional<Sighting>& last_seen,
+             const KeyframeArchive& archive);
+  /// Scans are explained again, or there is another map: what was seen since is of no use any more.
+  void end();
 
   /// One scan of a lost robot, `dt` seconds after the last. `attempt`: the one that the outcome rests on.
   /// Where none is followed yet the odometer's state is the prediction for this scan.
@@ -84,12 +90,11 @@ class Relocation {
   TrackerConfig config_;
   bool lost_ = false;
   TrackingState state_ = TrackingState::kRecovering;
-  std::optional<Pose> last_seen_;
-  std::int64_t trusted_utime_ = 0;
+  std::optional<Sighting> last_seen_;
   int scans_ = 0;  ///< since it was lost
   std::optional<Excursion> excursion_;
-  MovingPose departed_;  ///< where it began, and how long after the last trusted scan
-  double blind_s_ = 0;
+  MovingPose departed_;  ///< where it began, and when
+  std::int64_t departed_utime_ = 0;
   double gate_m_ = 0, gate_rad_ = 0;  ///< how far the prediction may be off where the excursion began
   double energy_before_ = 1;
   std::optional<Candidate> candidate_;

@@ -52,8 +52,7 @@ struct Tracker::State {
   bool begun = false;
   Pose start_pose = Pose::Identity();  // of the first scan
 
-  Pose last_trusted_pose = Pose::Identity();
-  std::int64_t last_trusted_utime = 0;
+  Sighting last_trusted;
   bool last_looked_around = false;  // the last scan that was trusted
   int distrusted_scans = 0;         // in a row
   int quiet_scans_left = 0;
@@ -94,8 +93,7 @@ struct Tracker::State {
 
   void start(std::int64_t utime, const PreparedScan& scan) {
     odometer.start(utime, scan, {start_pose, Vector6::Zero()});
-    last_trusted_pose = start_pose;
-    last_trusted_utime = utime;
+    last_trusted = {start_pose, utime};
     last_looked_around = looks_around(scan.source);
     distrusted_scans = 0;
     state = TrackingState::kInitialising;
@@ -113,9 +111,9 @@ struct Tracker::State {
     MotionPrior loose = loosened(prior);
     Attempt far = odometer.align(part, loose, Reach::kFar);
     const bool moved =
-        !near(prior.mean.pose, last_trusted_pose, kWithinReach * scan.median_range, kWithinTurn);
+        !near(prior.mean.pose, last_trusted.map_from_body, kWithinReach * scan.median_range, kWithinTurn);
     if (moved && !explains(far, kJumpScore)) {
-      loose.mean = {last_trusted_pose, Vector6::Zero()};
+      loose.mean = {last_trusted.map_from_body, Vector6::Zero()};
       far = better(std::move(far), odometer.align(part, loose, Reach::kFar));
     }
     far.prior = prior;
@@ -148,7 +146,7 @@ struct Tracker::State {
     const bool wary = distrusted_scans > 0;
     const bool suspicious = wary || health.score > kSuddenScore;
     const double least = !health.grown ? kYoungShare : wary ? kWaryShare : kSuddenShare;
-    const bool sudden = static_cast<double>(utime - last_trusted_utime) * kMicro < kMoment && suspicious &&
+    const bool sudden = static_cast<double>(utime - last_trusted.utime) * kMicro < kMoment && suspicious &&
                         health.share < least * health.last_share;
     // What comes into view where nothing was seen before is no surprise.
     return (little || (sudden && last_looked_around)) && looks_around(scan.source);
@@ -189,25 +187,25 @@ struct Tracker::State {
   void believe(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) {
     odometer.accept(attempt);
     distrusted_scans = 0;
-    last_trusted_pose = odometer.state().pose;
-    last_trusted_utime = utime;
+    last_trusted = {odometer.state().pose, utime};
     last_looked_around = looks_around(scan.source);
     state = TrackingState::kTracking;
-    relocation.end(utime);
+    relocation.end();
     if (quiet_scans_left > 0) {
       --quiet_scans_left;
       return;
     }
     odometer.keep(utime, scan, attempt.health.share);
-    if (archive.wants(last_trusted_pose.translation(), scan.median_range))
-      archive.add(utime, last_trusted_pose, scan.median_range, deskewed(scan.source, odometer.state().twist));
-    archive.note_stand(last_trusted_pose);
+    if (archive.wants(last_trusted.map_from_body.translation(), scan.median_range))
+      archive.add(utime, last_trusted.map_from_body, scan.median_range,
+                  deskewed(scan.source, odometer.state().twist));
+    archive.note_stand(last_trusted.map_from_body);
   }
 
   /// Nothing was learnt: the prediction stands in, and is not believed for long.
   void coast(std::int64_t utime, const MotionPrior& prior) {
     MotionPrior coasting = prior;
-    if (static_cast<double>(utime - last_trusted_utime) * kMicro > kCoastSeconds)
+    if (static_cast<double>(utime - last_trusted.utime) * kMicro > kCoastSeconds)
       coasting.mean.twist.setZero();
     odometer.coast(coasting);
     ++distrusted_scans;
@@ -237,7 +235,7 @@ struct Tracker::State {
     describe(attempt, jumped ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
   }
 
-  void lose() { relocation.begin(odometer, last_trusted_pose, archive); }
+  void lose() { relocation.begin(odometer, last_trusted, archive); }
 
   // ---- reporting
 
@@ -363,9 +361,10 @@ void Tracker::reset() {
 void Tracker::set_pose(const Pose& map_from_body) {
   State& s = *state_;
   ++s.epoch;
-  s.relocation.end(s.last_utime);
+  s.relocation.end();
   s.odometer.set_pose(map_from_body);
-  s.start_pose = s.last_trusted_pose = map_from_body;
+  s.start_pose = map_from_body;
+  s.last_trusted = {map_from_body, s.last_utime};
   s.begun = false;
   if (!s.archive.knows(map_from_body.translation())) {  // a new start
     s.state = TrackingState::kInitialising;
@@ -377,7 +376,7 @@ void Tracker::set_pose(const Pose& map_from_body) {
 }
 
 SavedMap Tracker::save() const {
-  return {state_->epoch, state_->last_trusted_pose, state_->archive.keyframes()};
+  return {state_->epoch, state_->last_trusted.map_from_body, state_->archive.keyframes()};
 }
 
 void Tracker::load(SavedMap saved) {
@@ -386,7 +385,7 @@ void Tracker::load(SavedMap saved) {
   s.epoch = std::max(s.epoch, saved.epoch + 1);
   s.archive.restore(std::move(saved.keyframes));
   if (s.archive.empty()) return;
-  s.start_pose = s.last_trusted_pose = saved.last_pose;
+  s.start_pose = s.last_trusted.map_from_body = saved.last_pose;
   s.odometer.set_pose(saved.last_pose);
   s.relocation.begin(s.odometer, std::nullopt, s.archive);
 }

@@ -4,10 +4,13 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <cstdint>
 #include <random>
+#include <vector>
 
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
+#include "geometry/voxel_grid.hpp"
 
 namespace scanlock {
 
@@ -56,13 +59,13 @@ inline Scan hall_scan(const Pose& pose, const Vector6& twist, std::int64_t utime
 
 /// The same scan with what is left of the sensor covered.
 inline Scan half_of(const Scan& scan) {
+  std::vector<std::uint32_t> seen;
+  for (std::uint32_t i = 0; i < scan.points.size(); ++i) {
+    if (!(scan.points.y[i] > 0)) seen.push_back(i);
+  }
   Scan half;
   half.utime = scan.utime;
-  for (std::size_t i = 0; i < scan.points.size(); ++i) {
-    if (scan.points.y[i] > 0) continue;
-    half.points.push_back(scan.points.point(i));
-    half.points.time.push_back(scan.points.time[i]);
-  }
+  half.points = select(scan.points, seen);
   return half;
 }
 
