@@ -64,6 +64,16 @@ MotionPrior MotionFilter::predict(double dt) const {
   return prior;
 }
 
+MotionPrior MotionFilter::predict(double dt, const Pose& motion) const {
+  MotionPrior prior = predict(dt);
+  if (!(dt > 0)) return prior;
+  Vector6 step = se3_log(motion);
+  if (planar_) step.segment<3>(2).setZero();  // z, roll, pitch
+  prior.mean.pose = renormalised(state_.pose * (planar_ ? se3_exp(step) : motion));
+  prior.mean.twist = step / dt;
+  return prior;
+}
+
 void MotionFilter::update(const MotionPrior& prior, const ScanAlignment& alignment, double variance) {
   state_ = {renormalised(alignment.moving.pose), alignment.moving.twist};
   covariance_ = inverse(prior.information + alignment.information / variance);

@@ -22,6 +22,9 @@ class MotionFilter {
 
   /// The state `dt` seconds on (dt >= 0): its mean is the prediction, its information what it is worth.
   MotionPrior predict(double dt) const;
+  /// The same, where others say how the body moved (last_from_now), of which a planar one takes what is in
+  /// its plane. It is worth no more: an odometry that slips must not weigh more than a velocity that changes.
+  MotionPrior predict(double dt, const Pose& motion) const;
 
   /// Takes the outcome of an alignment that used `prior`: state and covariance become the posterior.
   /// `variance`: of one residual, m^2, correlations counted in.

@@ -59,6 +59,7 @@ class Odometer {
   void set_pose(const Pose& map_from_body) { filter_.start({map_from_body, Vector6::Zero()}); }
 
   MotionPrior predict(double dt) const { return filter_.predict(dt); }
+  MotionPrior predict(double dt, const Pose& motion) const { return filter_.predict(dt, motion); }
   Attempt align(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
   /// The same where success is unlikely: a part of the points is tried first, and when that does not come
   /// near to explaining itself, it is what comes back. An alignment that fails takes the longest of all.

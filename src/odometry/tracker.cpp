@@ -73,14 +73,9 @@ struct Tracker::State {
 
   // ---- on known ground
 
-  /// Where the robot should be by now: by its velocity, or by what its odometry says it has moved. What is
-  /// known of both is the same: an odometry that slips must not weigh more than a velocity that changes.
+  /// Where the robot should be by now: by its velocity, or by what its odometry says it has moved.
   MotionPrior predict(double dt, const ScanPrior& hints) const {
-    MotionPrior prior = odometer.predict(dt);
-    if (!hints.motion || dt <= 0) return prior;
-    prior.mean.pose = renormalised(odometer.state().pose * *hints.motion);
-    prior.mean.twist = se3_log(*hints.motion) / dt;
-    return prior;
+    return hints.motion ? odometer.predict(dt, *hints.motion) : odometer.predict(dt);
   }
 
   /// Keeps which way is up in the map, from the attitudes that come with trusted scans.

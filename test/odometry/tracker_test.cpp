@@ -135,6 +135,26 @@ TEST_CASE("a planar sensor is followed in its plane, and what it cannot see is n
   }
 }
 
+TEST_CASE("odometry does not lift a planar sensor out of its plane") {
+  const Vector6 velocity = twist(2.0, 0, 0.6);
+  Vector6 askew = 0.1 * velocity;
+  askew[2] = 0.02;
+  askew[3] = 0.01;
+  Tracker tracker(TrackerConfig{});
+  for (int i = 0; i < 30; ++i) {
+    const Pose way = se3_exp(0.1 * i * velocity);
+    Scan scan = planar_hall_scan(at(-6, -1, 0.1) * way, velocity, 100000 * i, static_cast<unsigned>(i));
+    if (i == 15 || i == 16) scan.points = {};
+    ScanPrior hints;
+    if (i > 0) hints.motion = se3_exp(askew);
+    const Pose tracked = tracker.track(scan, hints).map_from_body;
+    CAPTURE(i);
+    CHECK(std::abs(tracked.translation().z()) < 1e-6);
+    CHECK(tracked.linear()(2, 2) > 1 - 1e-9);
+    CHECK((way.inverse() * tracked).translation().norm() < 0.05);
+  }
+}
+
 TEST_CASE("two seconds without scans are bridged") {
   const Drive drive(at(-8, 0, 0), twist(3.0, 0, 0));
   Tracker tracker(TrackerConfig{});
