@@ -5,87 +5,89 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <optional>
 
 namespace scanlock {
 namespace {
 
-// Noise of the normals alone makes a smooth tunnel look observed to about 0.002 (3 degrees squared).
+// Open fields are about so weak.
 constexpr double kWeakTranslation = 0.0045;
 constexpr double kWeakRotation = 0.003;
 // A weak direction is charged to the body axes that make up most of it.
 constexpr double kShareOfAxis = 0.5;
 
-// In smooth tunnels, where normals are all noise, it is 0.0003 to 0.0007; in open fields 0.0013 and more.
-constexpr double kNoTranslation = 0.0010, kSomeTranslation = 0.0016;
+// What H has along a direction over what noise alone would give it: 0.5 to 3 in smooth tunnels; 10 and more
+// in streets, rooms, woods and fields.
+constexpr double kNoise = 2.5, kSignal = 5.0;
+constexpr double kNothing = 1e-6;  // of the trace: open, whatever the noise
 
 Eigen::Matrix3d inverse(const Eigen::Matrix3d& block) {
   return (block + Eigen::Matrix3d::Identity() * (1e-9 * block.trace() + 1e-300)).inverse();
 }
 
-/// The blocks of an information matrix for three of its unknowns and the three others.
-struct Blocks {
-  Eigen::Matrix3d kept, coupling, removed;
+/// A motion that a scene holds more or less than the two others of its kind (translations, or rotations).
+struct Direction {
+  Vector6 motion;       ///< unit in its own three; with it what the other three do that give way to it
+  double known, noise;  ///< information along it and the part that noise makes, over the trace of its block
+  /// 0: not told from noise, to 1.
+  double seen() const {
+    return std::clamp((known - kNothing - kNoise * noise) / (kNothing + (kSignal - kNoise) * noise), 0.0,
+                      1.0);
+  }
 };
 
-Blocks translations_of(const Matrix6& information) {
-  return {information.topLeftCorner<3, 3>(), information.topRightCorner<3, 3>(),
-          information.bottomRightCorner<3, 3>()};
-}
-
-Blocks rotations_of(const Matrix6& information) {
-  return {information.bottomRightCorner<3, 3>(), information.bottomLeftCorner<3, 3>(),
-          information.topLeftCorner<3, 3>()};
-}
-
-/// Directions of the kept unknowns and what is known along each, over the block's trace; nothing where that
-/// is 0.
-std::optional<Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>> spectrum(const Blocks& blocks) {
-  const double trace = blocks.kept.trace();
-  if (!(trace > 0)) return std::nullopt;
-  const Eigen::Matrix3d seen =
-      blocks.kept - blocks.coupling * inverse(blocks.removed) * blocks.coupling.transpose();
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(seen / trace);
-}
-
-double examine(const Blocks& blocks, double threshold, int first_bit, std::uint32_t* axes) {
-  const auto directions = spectrum(blocks);
-  if (!directions) {
-    *axes |= 7u << first_bit;
-    return 0;
+/// `first`: 0 for translations, 3 for rotations. The least known comes first.
+std::array<Direction, 3> directions_of(const Matrix6& information, const Matrix6& noise, int first) {
+  const int other = 3 - first;
+  const Eigen::Matrix3d kept = information.block<3, 3>(first, first);
+  const Eigen::Matrix3d follow =
+      -inverse(information.block<3, 3>(other, other)) * information.block<3, 3>(other, first);
+  const double trace = kept.trace();
+  Eigen::Vector3d known = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  if (trace > 0) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+        (kept + information.block<3, 3>(first, other) * follow) / trace);
+    known = solver.eigenvalues();
+    axes = solver.eigenvectors();
   }
+  std::array<Direction, 3> result;
   for (int k = 0; k < 3; ++k) {
-    if (directions->eigenvalues()[k] > threshold) continue;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (std::abs(directions->eigenvectors()(axis, k)) > kShareOfAxis) *axes |= 1u << (first_bit + axis);
+    Direction& direction = result[static_cast<std::size_t>(k)];
+    direction.motion.segment<3>(first) = axes.col(k);
+    direction.motion.segment<3>(other) = follow * axes.col(k);
+    direction.known = known[k];
+    direction.noise = trace > 0 ? direction.motion.dot(noise * direction.motion) / trace : 0;
+  }
+  return result;
+}
+
+double examine(const std::array<Direction, 3>& directions, double threshold, int first, std::uint32_t* axes) {
+  for (const Direction& direction : directions) {
+    if (direction.known > threshold && direction.seen() == 1) continue;
+    for (int axis = first; axis < first + 3; ++axis) {
+      if (std::abs(direction.motion[axis]) > kShareOfAxis) *axes |= 1u << axis;
     }
   }
-  return directions->eigenvalues()[0];
+  return directions[0].known;
 }
 
 }  // namespace
 
-Degeneracy find_degeneracy(const Matrix6& information) {
+Degeneracy find_degeneracy(const Matrix6& information, const Matrix6& noise) {
   Degeneracy result;
-  result.weakest_translation = examine(translations_of(information), kWeakTranslation, 0, &result.axes);
-  result.weakest_rotation = examine(rotations_of(information), kWeakRotation, 3, &result.axes);
+  result.weakest_translation =
+      examine(directions_of(information, noise, 0), kWeakTranslation, 0, &result.axes);
+  result.weakest_rotation = examine(directions_of(information, noise, 3), kWeakRotation, 3, &result.axes);
   return result;
 }
 
-Matrix6 observed_motion(const Matrix6& information) {
+Matrix6 observed_motion(const Matrix6& information, const Matrix6& noise) {
   Matrix6 observed = Matrix6::Identity();
-  const Blocks blocks = translations_of(information);
-  const auto directions = spectrum(blocks);
-  if (!directions) return observed;
-  Eigen::Matrix3d open = Eigen::Matrix3d::Zero();
-  for (int k = 0; k < 3; ++k) {
-    const Eigen::Vector3d direction = directions->eigenvectors().col(k);
-    const double seen = (directions->eigenvalues()[k] - kNoTranslation) / (kSomeTranslation - kNoTranslation);
-    open += (1.0 - std::clamp(seen, 0.0, 1.0)) * direction * direction.transpose();
-  }
-  observed.topLeftCorner<3, 3>() -= open;
-  observed.bottomLeftCorner<3, 3>() += inverse(blocks.removed) * blocks.coupling.transpose() * open;
+  for (const Direction& direction : directions_of(information, noise, 0))
+    observed.leftCols<3>() -=
+        (1.0 - direction.seen()) * direction.motion * direction.motion.head<3>().transpose();
   return observed;
 }
 

@@ -19,12 +19,14 @@ struct Degeneracy {
   std::uint32_t axes = 0;  ///< bit 0..2: translation along body x y z, 3..5: rotation about x y z; those
                            ///< nearest to a weak direction
 };
-Degeneracy find_degeneracy(const Matrix6& information);
+/// `noise`: the part of H that errors of the normals make, as expected. A direction along which H is little
+/// more than that is not observed, however large it is.
+Degeneracy find_degeneracy(const Matrix6& information, const Matrix6& noise = Matrix6::Zero());
 
 /// Takes from a motion what the scene leaves open: M x is x without the translations along which it slides
 /// freely, the rotations that go with them included. Identity where all are observed; in between a share, for
 /// a threshold would make the motion jump. (Solution remapping, Zhang, Kaess, Singh: On degeneracy of
-/// optimization-based state estimation problems.) Of rotations nothing is taken: noise holds them.
-Matrix6 observed_motion(const Matrix6& information);
+/// optimization-based state estimation problems.) Of rotations nothing is taken.
+Matrix6 observed_motion(const Matrix6& information, const Matrix6& noise);
 
 }  // namespace scanlock

@@ -15,8 +15,9 @@ constexpr double kUpright = 0.8;  // cosine of 37 degrees
 // Standard deviations of the neighbours about their line, metres:
 constexpr double kThread = 0.03;  // so thin is only the line of a scan pattern
 constexpr double kThin = 0.05;
-constexpr int kFewest = 5;        // neighbours
-constexpr float kGrazing = 0.1f;  // sine of the angle of incidence below which a plane is doubted
+constexpr double kLeastNoise = 0.015;  // metres, of ranges: what a few points make look less is luck
+constexpr int kFewest = 5;             // neighbours
+constexpr float kGrazing = 0.1f;       // sine of the angle of incidence below which a plane is doubted
 
 /// How neighbours lie about their centroid, in the first kAxes of x, y and z.
 template <int kAxes>
@@ -37,10 +38,21 @@ struct Spread {
     centre = mean.cast<float>() + origin;
     deviation = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
     axes = solver.eigenvectors();
+    // Of n neighbours a fit leaves n - kAxes to show the noise.
+    const double noise =
+        std::max(deviation[0] * std::sqrt(count / static_cast<double>(count - kAxes)), kLeastNoise);
+    noise_of_mean = noise / std::sqrt(static_cast<double>(count));
+  }
+  /// Standard deviation (radians) of the first axis towards another one, where the neighbours are off their
+  /// plane by independent noise: the perturbation of an eigenvector, sqrt(l1 lk / n) / (lk - l1).
+  double tilt(int other) const {
+    const double apart = deviation[other] * deviation[other] - deviation[0] * deviation[0];
+    return std::min(noise_of_mean * deviation[other] / std::max(apart, 1e-12), 1.0);
   }
   Eigen::Vector3f centre;
   Eigen::Matrix<double, kAxes, 1> deviation;  ///< metres, ascending
   Eigen::Matrix<double, kAxes, kAxes> axes;   ///< in columns, likewise
+  double noise_of_mean;                       ///< metres, along the first
 };
 
 /// Whether few of the points at the height of a line's own are beside it.
@@ -84,6 +96,8 @@ Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int co
   surface.normal = spread.axes.col(0).cast<float>();
   surface.centre = spread.centre;
   surface.weight = static_cast<float>(planarity * planarity);
+  surface.tilt = (spread.tilt(1) * spread.axes.col(1)).cast<float>();
+  surface.tilt_across = static_cast<float>(spread.tilt(2));
   const double linearity = 1.0 - deviation[1] / deviation[2];
   const Eigen::Vector3d direction = spread.axes.col(2);
   const double thickness = std::hypot(deviation[0], deviation[1]);
@@ -104,6 +118,7 @@ Surface fit_wall(const PointCloud& cloud, const Neighbour* neighbours, int count
   if (!(deviation[1] > 0)) return surface;
   surface.normal.head<2>() = spread.axes.col(0).cast<float>();
   surface.centre = spread.centre;
+  surface.tilt.head<2>() = (spread.tilt(1) * spread.axes.col(1)).cast<float>();
   const double linearity = 1.0 - deviation[0] / deviation[1];
   surface.weight = static_cast<float>(linearity * linearity);
   return surface;

@@ -19,6 +19,10 @@ struct Surface {
   float weight = 0;   ///< 0: nothing there, to 1: flat and spread in both directions, or straight and thin
   bool line = false;  ///< `normal` is the direction of a line instead
   float scale = 1;    ///< of residuals: a thick line says less
+  /// Standard deviations of a plane's normal, radians: towards where it is known least, as a vector, and
+  /// across that.
+  Eigen::Vector3f tilt = Eigen::Vector3f::Zero();
+  float tilt_across = 0;
 };
 
 /// Surfaces of the points of a map, fitted when they are first asked for: a scan meets only a part of the

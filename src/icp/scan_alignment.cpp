@@ -171,6 +171,28 @@ struct ScanAligner::Workspace final : DescentProblem {
     }
   }
 
+  /// What errors of the surfaces' normals alone put into the sum of w j j^T, as expected.
+  Matrix6 noise() const {
+    Matrix6 result = Matrix6::Zero();
+    const Eigen::Matrix3f to_prior = prior->mean.pose.linear().transpose().cast<float>();
+    const Eigen::Vector3f origin = prior->mean.pose.translation().cast<float>();
+    for (std::size_t i = 0; i < source->size(); ++i) {
+      if (weights[i] <= 0) continue;
+      const Surface& surface = target->surfaces.at(correspondences.indices()[i]);
+      if (surface.line) continue;
+      const double r = residuals[i], weight = weights[i] * welsch_weight(r * r, nu);
+      const Eigen::Vector3f w = to_prior * (Eigen::Vector3f(wx[i], wy[i], wz[i]) - origin);
+      const Eigen::Vector3f across = surface.tilt_across * surface.normal.cross(surface.tilt).normalized();
+      for (const Eigen::Vector3f& tilt : {surface.tilt, across}) {
+        const Eigen::Vector3f error = to_prior * tilt;
+        Vector6 j;
+        j << error.cast<double>(), w.cross(error).cast<double>();
+        result.selfadjointView<Eigen::Lower>().rankUpdate(j, weight);
+      }
+    }
+    return result.selfadjointView<Eigen::Lower>();
+  }
+
   StateVector image() override {
     Matrix12 hessian;
     Vector12 gradient;
@@ -249,6 +271,7 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
   }
   Vector12 gradient;
   work.linearise(true, &result.information, &gradient);
+  result.noise = work.noise();
   result.moving = work.moving(x);
   result.matched = work.matched;
   result.median_residual = work.median_absolute_residual();

@@ -54,6 +54,7 @@ struct ScanAlignment {
   MovingPose moving;
   Matrix12 information =
       Matrix12::Zero();  ///< of the data alone, order and frame as in MotionPrior, unit residual variance
+  Matrix6 noise = Matrix6::Zero();  ///< what errors of the normals alone put into its pose block, expected
   int iterations = 0, evaluations = 0;
   bool converged = false;
   int matched = 0;             ///< source points within the gate of a surface

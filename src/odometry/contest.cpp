@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
-#include "icp/degeneracy.hpp"
 
 namespace scanlock {
 namespace {
@@ -25,7 +24,7 @@ constexpr std::uint32_t kOnTheGround = 1u | 2u | 32u;  // x, y, yaw
 
 /// Whether the place slides along what is seen: a tunnel is the same everywhere.
 bool is_open(const Attempt& attempt) {
-  return (find_degeneracy(attempt.alignment.information.topLeftCorner<6, 6>()).axes & kOnTheGround) != 0;
+  return (attempt.open_axes() & kOnTheGround) != 0;
 }
 
 }  // namespace

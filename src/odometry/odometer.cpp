@@ -41,7 +41,7 @@ constexpr double kUsualShare = 0.8;
 /// Along what a scene leaves open the motion goes on as it was: the surfaces of a tunnel are seen where the
 /// robot was before, so that an alignment holds it back a little in each scan.
 ScanAlignment observed_part(ScanAlignment alignment, const MotionPrior& prior) {
-  const Matrix6 observed = observed_motion(alignment.information.topLeftCorner<6, 6>());
+  const Matrix6 observed = observed_motion(alignment.information.topLeftCorner<6, 6>(), alignment.noise);
   if (observed == Matrix6::Identity()) return alignment;
   MovingPose& moving = alignment.moving;
   const MovingPose& predicted = prior.mean;
@@ -54,6 +54,10 @@ ScanAlignment observed_part(ScanAlignment alignment, const MotionPrior& prior) {
 }
 
 }  // namespace
+
+std::uint32_t Attempt::open_axes() const {
+  return find_degeneracy(alignment.information.topLeftCorner<6, 6>(), alignment.noise).axes;
+}
 
 Odometer::Odometer(const TrackerConfig& config)
     : config_(config),

@@ -37,6 +37,8 @@ struct Attempt {
   ScanAlignment alignment;
   MotionPrior prior;
   Health health;
+  /// The axes that the scene leaves open, as bits: see Degeneracy.
+  std::uint32_t open_axes() const;
   /// Unexplained share of the scan.
   double cost() const { return 1.0 - health.overlap * (1.0 - health.energy); }
 };

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
-#include "icp/degeneracy.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/open_axes.hpp"
 #include "odometry/relocation.hpp"
@@ -245,8 +244,7 @@ struct Tracker::State {
     tracked->energy = attempt.health.energy;
     tracked->energy_baseline = attempt.health.baseline;
     tracked->energy_score = attempt.health.score;
-    if (aligned)
-      tracked->degenerate_axes = find_degeneracy(attempt.alignment.information.topLeftCorner<6, 6>()).axes;
+    if (aligned) tracked->degenerate_axes = attempt.open_axes();
   }
 
   TrackingState reported_state() const { return relocation.lost() ? relocation.state() : state; }

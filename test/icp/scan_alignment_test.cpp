@@ -4,6 +4,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <random>
+
 #include "../odometry/room.hpp"
 
 namespace scanlock {
@@ -78,6 +81,29 @@ TEST_CASE("a strong prior holds what the data contradict and a weak one lets go"
   CHECK(std::abs(se3_log(held.moving.pose)[5]) < 1e-3);
   const ScanAlignment free = ScanAligner().align(scan.points, hall.target(), weak_prior(), {});
   CHECK(se3_log(free.moving.pose)[5] == doctest::Approx(0.02).epsilon(0.02));
+}
+
+TEST_CASE("along a smooth pipe the information is the noise that was expected") {
+  std::mt19937 rng(4);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::normal_distribution<double> noise(0, 0.03);
+  const auto pipe = [&](std::size_t points) {
+    PointCloud cloud;
+    while (cloud.size() < points) {
+      const double angle = 3.14159265358979 * uniform(rng), radius = 3 + noise(rng);
+      cloud.push_back(static_cast<float>(10 * uniform(rng)), static_cast<float>(radius * std::cos(angle)),
+                      static_cast<float>(radius * std::sin(angle)));
+    }
+    return cloud;
+  };
+  const PointCloud map = pipe(8000);
+  KdForest tree;
+  tree.rebuild(map);
+  LocalSurfaces surfaces;
+  surfaces.reset(map, tree, 0.8f);
+  const ScanAlignment found = ScanAligner().align(pipe(2000), {map, tree, surfaces}, weak_prior(), {});
+  CHECK(found.noise(0, 0) == doctest::Approx(found.information(0, 0)).epsilon(0.35));
+  CHECK(found.noise(0, 0) < 0.02 * found.information(1, 1));
 }
 
 }  // namespace scanlock

@@ -262,7 +262,8 @@ TEST_CASE("a scan of which the map knows little is tracked, and said to be so") 
   CHECK(tracked.method == PoseMethod::kIcp);
   CHECK(tracked.state == TrackingState::kDegraded);
   CHECK(tracked.degenerate_axes == 0);
-  CHECK(tracker.track(drive.scan(2)).state == TrackingState::kTracking);
+  for (int i = 2; i < 4; ++i) tracker.track(drive.scan(i));
+  CHECK(tracker.track(drive.scan(4)).state == TrackingState::kTracking);
 }
 
 TEST_CASE("scans that cannot be tracked are named and leave the tracker usable") {
