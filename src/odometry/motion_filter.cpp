@@ -94,6 +94,12 @@ Matrix12 prior_information(double metres, double radians, const Matrix12& covari
   return information;
 }
 
+double squared_gap(const MotionPrior& prior, const MovingPose& moving) {
+  Eigen::Matrix<double, 12, 1> error;
+  error << se3_log(prior.mean.pose.inverse() * moving.pose), moving.twist - prior.mean.twist;
+  return error.dot(prior.information * error);
+}
+
 MotionPrior loosened(MotionPrior prior) {
   prior.information *= 0.01;
   return prior;

@@ -49,6 +49,9 @@ class MotionFilter {
 /// Of a pose known to so much in all directions, and of a velocity with that covariance (its last six).
 Matrix12 prior_information(double metres, double radians, const Matrix12& covariance);
 
+/// How far a moving pose is from a prior: the squared Mahalanobis distance of its twelve numbers.
+double squared_gap(const MotionPrior& prior, const MovingPose& moving);
+
 /// The same prior, believed a hundredth as much: for another try where it did not explain the scan.
 MotionPrior loosened(MotionPrior prior);
 

@@ -24,6 +24,9 @@ constexpr double kMoment = 0.35;  // seconds
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
 constexpr double kWithinReach = 0.08, kWithinTurn = 5.0 * kDegree;
+// How far pose and velocity are from their prediction, squared: drives stay below 3, shakes below 25; kidnaps
+// to a place that looks alike had 35 and 190.
+constexpr double kUnusualGap = 10, kMostGap = 30;
 constexpr double kDegradedShare = 0.4;  // of the points of a scan: fewer are explained
 constexpr int kQuietScans = 5;          // after that, before the map may grow
 constexpr int kAttitudes = 100;         // that the upward direction is averaged over
@@ -123,6 +126,7 @@ struct Tracker::State {
   /// be another that looks the same. Where much of the scan is left unexplained, by new ground or by another
   /// place, it has to be where it was predicted.
   static bool plausible(const Attempt& attempt) {
+    if (squared_gap(attempt.prior, attempt.alignment.moving) > kMostGap) return false;
     const Matrix12 covariance = attempt.prior.information.inverse();
     const double metres = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
     const double radians = std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
@@ -134,10 +138,12 @@ struct Tracker::State {
 
   /// A sensor that looks all around does not see new ground on all sides at once, nor much of it within the
   /// time between two scans: a place that looks alike explains a part of a scan, too.
-  bool elsewhere(std::int64_t utime, const PreparedScan& scan, const Health& health) const {
+  bool elsewhere(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) const {
+    const Health& health = attempt.health;
     const bool little = health.score > kFitScore && health.share < kNewGroundShare * health.usual_share;
     // What made the last scan suspicious is not explained by one that fits a little better.
-    const bool wary = distrusted_scans > 0;
+    const bool wary =
+        distrusted_scans > 0 || squared_gap(attempt.prior, attempt.alignment.moving) > kUnusualGap;
     const bool suspicious = wary || health.score > kSuddenScore;
     const double least = !health.grown ? kYoungShare : wary ? kWaryShare : kSuddenShare;
     const bool sudden = static_cast<double>(utime - last_trusted.utime) * kMicro < kMoment && suspicious &&
@@ -149,7 +155,7 @@ struct Tracker::State {
   bool trusted(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) const {
     const bool wary = distrusted_scans > 0 && state != TrackingState::kInitialising;
     return explains(attempt, wary ? kCalmScore : kJumpScore) && plausible(attempt) &&
-           !elsewhere(utime, scan, attempt.health);
+           !elsewhere(utime, scan, attempt);
   }
 
   void track_on(std::int64_t utime, const PreparedScan& scan, double dt, const ScanPrior& hints,

@@ -203,6 +203,26 @@ TEST_CASE("a carried sensor is never reported as tracking a guess and the map fr
   CHECK((drive.pose(0).inverse() * drive.pose(15)).isApprox(back.map_from_body, 0.02));
 }
 
+TEST_CASE("a turn that no robot makes is not believed, however well its scan fits") {
+  const Pose start = at(1, 0.5, 0);
+  const auto scan = [&](int i, const Pose& pose) {
+    return hall_scan(pose, Vector6::Zero(), Drive::utime(i), static_cast<unsigned>(i));
+  };
+  for (const double turn : {3.0, 25.0}) {
+    CAPTURE(turn);
+    Tracker tracker(TrackerConfig{});
+    for (int i = 0; i < 10; ++i) tracker.track(scan(i, start));
+    const Pose turned = start * at(0, 0, turn * kDegree);
+    const TrackedScan first = tracker.track(scan(10, turned));
+    CHECK((first.state == TrackingState::kTracking) == (turn < 10));
+    TrackedScan last;
+    for (int i = 11; i < 20; ++i) last = tracker.track(scan(i, turned));
+    CHECK(last.state == TrackingState::kTracking);  // it is true after all
+    CHECK(last.epoch == 0);
+    CHECK((start.inverse() * turned).isApprox(last.map_from_body, 0.01));
+  }
+}
+
 TEST_CASE("what a cover hid does not surprise when it is taken away") {
   const Drive drive(at(-6, -1, 0), twist(1, 0, 0));
   Tracker tracker(TrackerConfig{});
