@@ -226,6 +226,11 @@ CloudRegistration Registrar::propose() {
   account(result_.solution);
   result_.attempts = 1;
   result_.why = numbers();
+  for (const Pose& pose : options_.proposals) {
+    const Hypothesis proposal = clouds_.examine(pose, 0, false);
+    if (proposal.fit.contradiction <= kImpossible && proposal.fit.overlap >= kSomeOverlap)
+      result_.standing.push_back(proposal.refined);
+  }
   const MatchRegistration& s = result_.solution;
   if (s.consensus < kFewestMatches) return result_;
   add_hypothesis(s.target_from_source, s.consensus);

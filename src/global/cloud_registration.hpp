@@ -35,6 +35,8 @@ struct CloudRegistrationOptions {
   /// own means; the clouds only put them in order, the likeliest first, and rule out the impossible ones.
   /// They make the verdict certain only where the largest consensus is clear, and not contradicted.
   bool judged = true;
+  /// Poses to be looked at as well, where not judged: see CloudRegistration::standing.
+  std::vector<Pose> proposals;
   int lambda = 3;
   int attempts = 2;                 ///< match sets that are drawn at most, see below
   std::size_t max_nodes = 200'000;  ///< of each search; ends it without a certificate
@@ -50,6 +52,7 @@ struct CloudRegistration {
   std::string why;                    ///< a sentence for people
   CloudFit fit, rival_fit;            ///< of the pose, and of the best of the others looked at
   std::vector<Pose> rivals;           ///< the others looked at, refined
+  std::vector<Pose> standing;         ///< the proposals that the clouds do not contradict, refined
   std::uint32_t degenerate_axes = 0;  ///< of the refinement
   double epsilon = 0;                 ///< metres, as used
   int attempts = 0;

@@ -13,7 +13,8 @@ namespace {
 // Of the usual share of inliers, what a place has to have to be a rival, and what to win: rooms that look
 // alike have 0.85 to 0.93. Where the search leaves little doubt, more of what is seen may be new ground.
 constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kSoundShare = 0.75, kClearShare = 0.65,
-                 kTwiceShare = 0.25;
+                 kTwiceShare = 0.25, kStandingShare = 0.3;
+constexpr double kSamePlace = 0.5, kSameHeading = 3.0 * kDegree;
 constexpr int kWins = 3;  // scans in a row
 constexpr int kMissesAllowed = 1;
 constexpr int kPatience = 8;                           // scans in which it has to be decided
@@ -53,6 +54,25 @@ Contest::Contest(const Pose& map_from_predicted, int wins)
   expected_ = true;
 }
 
+void Contest::note_standing(const Pose& map_from_predicted, const Excursion& excursion) {
+  const Pose& predicted = excursion.state().pose;
+  for (auto rival = places_.begin() + 1; rival != places_.end(); ++rival) {
+    if (!near(rival->map_from_predicted * predicted, map_from_predicted * predicted, kSamePlace,
+              kSameHeading))
+      continue;
+    rival->standing = true;
+    rival->least_share = kStandingShare;
+  }
+}
+
+/// That the map does not know what is seen at a place that still stands does not speak against it.
+bool Contest::is_worse(const Place& place, const Place& leader, double times, double more) {
+  const auto cost = [&](const Place& p) {
+    return place.standing ? p.attempt.health.energy : p.attempt.cost();
+  };
+  return cost(place) > times * cost(leader) + more;
+}
+
 void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
                         Place& place) const {
   const MovingPose& predicted = excursion.state();
@@ -89,8 +109,7 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
     return leader.missed > kMissesAllowed ? Outcome::kRefuted : Outcome::kOpen;
   }
   const bool clear = std::all_of(places_.begin() + 1, places_.end(), [&](const Place& other) {
-    const double cost = leader.attempt.cost();
-    return !other.fits || other.attempt.cost() > std::max(kClearly * cost, cost + kAtLeast);
+    return !other.fits || (is_worse(other, leader, kClearly, 0) && is_worse(other, leader, 1, kAtLeast));
   });
   if (clear && !expected_ && is_open(leader.attempt)) return Outcome::kUndecided;
   const bool same = !led || near(led_by, leader.map_from_predicted, 1.0, 6.0 * kDegree);
@@ -111,8 +130,7 @@ void Contest::drop_losers() {
   for (Place& place : places_) {
     const bool first = left.empty();
     const bool out = place.missed > kMissesAllowed ||
-                     (!first && left.front().fits &&
-                      place.attempt.cost() > kHopeless * left.front().attempt.cost() + kAtLeast);
+                     (!first && left.front().fits && is_worse(place, left.front(), kHopeless, kAtLeast));
     const bool taken = std::any_of(left.begin(), left.end(), [&](const Place& other) {
       return near(other.map_from_predicted, place.map_from_predicted, 0.3, 3.0 * kDegree);
     });

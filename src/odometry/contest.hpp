@@ -24,6 +24,10 @@ class Contest {
   /// One that needs no search, for the robot is expected there. `wins`: scans that it has explained already.
   Contest(const Pose& map_from_predicted, int wins);
 
+  /// Of a rival (a correction, about): nothing contradicts it, though the map may not know all that is seen
+  /// there.
+  void note_standing(const Pose& map_from_predicted, const Excursion& excursion);
+
   /// One more scan, which the excursion has followed. Only kOpen goes on.
   Outcome judge(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion);
 
@@ -39,6 +43,7 @@ class Contest {
     double least_share = 0, winners_share = 0;  ///< of the usual share of inliers, to fit, and to win
     double most_score = kCalmScore;
     int missed = 0;
+    bool standing = false;   ///< see note_standing()
     bool fits = false;       ///< the last scan
     bool could_win = false;  ///< by it
     bool tried = false;
@@ -46,6 +51,7 @@ class Contest {
   };
   void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
                  Place& place) const;
+  static bool is_worse(const Place& place, const Place& leader, double times, double more);
   void drop_losers();
 
   std::vector<Place> places_;  ///< never empty; the leader first

@@ -89,6 +89,11 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   registration.tilt = request.tilt;
   registration.max_nodes = kMaxNodes;
   registration.judged = false;
+  // source: stand (p - source_centre); target: level (p - target_centre).
+  const Pose to_stand = Pose(stand) * Eigen::Translation3d(-request.source_centre);
+  const Pose to_level = Pose(level) * Eigen::Translation3d(-request.target_centre);
+  for (const Pose& pose : request.undecided)
+    registration.proposals.push_back(to_level * pose * to_stand.inverse());
   for (const Eigen::Vector3d& up : request.stands) registration.target_ups.push_back(level * up);
   const CloudRegistration found = register_clouds(source, target_description, registration);
 
@@ -102,16 +107,12 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   if (found.fit.overlap >= kSoundOverlap && found.fit.contradiction <= kSoundContradiction)
     answer.evidence = PlaceEvidence::kSound;
   if (found.verdict == GlobalVerdict::kCertain) answer.evidence = PlaceEvidence::kClear;
-  // source: stand (p - source_centre); target: level (p - target_centre).
-  Pose to_stand = Pose::Identity(), to_level = Pose::Identity();
-  to_stand.linear() = stand;
-  to_level.linear() = level;
   const auto correction = [&](const Pose& target_from_source) -> Pose {
-    return Eigen::Translation3d(request.target_centre) * to_level.inverse() * target_from_source * to_stand *
-           Eigen::Translation3d(-request.source_centre);
+    return to_level.inverse() * target_from_source * to_stand;
   };
   answer.map_from_predicted = correction(found.target_from_source);
   for (const Pose& rival : found.rivals) answer.rivals.push_back(correction(rival));
+  for (const Pose& place : found.standing) answer.standing.push_back(correction(place));
   answer.matches = static_cast<int>(found.solution.matches);
   answer.matches_kept = static_cast<int>(found.solution.matches_after_pruning);
   answer.consensus = found.solution.consensus;

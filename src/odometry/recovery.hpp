@@ -35,6 +35,8 @@ struct RecoveryRequest {
   /// Up as an attitude sensor measured it, axes of the predicted map frame: goes for slopes on which the
   /// robot never stood, too.
   std::optional<Eigen::Vector3d> source_up;
+  /// Corrections of predicted poses between which scans could not decide.
+  std::vector<Pose> undecided;
 };
 
 enum class PlaceVerdict : std::int8_t {
@@ -61,6 +63,7 @@ struct RecoveryAnswer {
   PlaceVerdict verdict = PlaceVerdict::kNotHere;
   Pose map_from_predicted = Pose::Identity();  ///< corrects predicted poses; of the likeliest place
   std::vector<Pose> rivals;                    ///< the same, of other places that come into question
+  std::vector<Pose> standing;                  ///< of the undecided ones, those that nothing contradicts
   /// Of the largest consensus, which need not be at the likeliest place.
   int matches = 0, matches_kept = 0, consensus = 0, upper_bound = 0, runner_up_consensus = 0;
   bool certified = false;

@@ -165,7 +165,9 @@ Recovery Relocation::recovery_of(const RecoveryAnswer& answer) const {
 std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, const KeyframeArchive& archive,
                                                         const std::optional<Eigen::Vector3d>& up) {
   if (!lost_ || !excursion_ || candidate_) return std::nullopt;
-  return search_.next(utime, *excursion_, archive, up);
+  std::optional<RecoveryRequest> request = search_.next(utime, *excursion_, archive, up);
+  if (request) request->undecided = undecided_;
+  return request;
 }
 
 void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
@@ -198,7 +200,9 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   const bool twice = answer.contradiction <= kSoundContradiction && !planar &&
                      ((clear && agreeing >= kAgreeing) || is_expected(answer.map_from_predicted));
   const PlaceEvidence evidence = twice ? PlaceEvidence::kTwice : answer.evidence;
-  candidate_ = Candidate{Contest(places, evidence), std::move(answer)};
+  Contest contest(places, evidence);
+  for (const Pose& standing : answer.standing) contest.note_standing(standing, *excursion_);
+  candidate_ = Candidate{std::move(contest), std::move(answer)};
 }
 
 /// Earlier finds are rivals too, and what could not be decided before: a few matches more or less do not

@@ -122,11 +122,13 @@ struct Tracker::State {
     return best;
   }
 
+  static double gap(const Attempt& attempt) { return squared_gap(attempt.prior, attempt.alignment.moving); }
+
   /// Whether the robot can have come there, as far as its motion is known: a place that explains the scan may
   /// be another that looks the same. Where much of the scan is left unexplained, by new ground or by another
   /// place, it has to be where it was predicted.
-  static bool plausible(const Attempt& attempt) {
-    if (squared_gap(attempt.prior, attempt.alignment.moving) > kMostGap) return false;
+  bool plausible(const Attempt& attempt) const {
+    if (gap(attempt) > (distrusted_scans > 0 ? kUnusualGap : kMostGap)) return false;
     const Matrix12 covariance = attempt.prior.information.inverse();
     const double metres = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
     const double radians = std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
@@ -142,8 +144,7 @@ struct Tracker::State {
     const Health& health = attempt.health;
     const bool little = health.score > kFitScore && health.share < kNewGroundShare * health.usual_share;
     // What made the last scan suspicious is not explained by one that fits a little better.
-    const bool wary =
-        distrusted_scans > 0 || squared_gap(attempt.prior, attempt.alignment.moving) > kUnusualGap;
+    const bool wary = distrusted_scans > 0 || gap(attempt) > kUnusualGap;
     const bool suspicious = wary || health.score > kSuddenScore;
     const double least = !health.grown ? kYoungShare : wary ? kWaryShare : kSuddenShare;
     const bool sudden = static_cast<double>(utime - last_trusted.utime) * kMicro < kMoment && suspicious &&

@@ -161,8 +161,12 @@ TEST_CASE("all places that look alike are proposed") {
   CloudRegistrationOptions options;
   options.judged = false;
   options.tilt = 0.01;
+  options.proposals = {level_pose(0.31, -70.2, 0.1, 0),
+                       level_pose(0.3, -35, 0, 0)};  // one nearly right, one wrong
   const CloudRegistration found =
       register_clouds(describe(seen, description), describe(map, description), options);
+  REQUIRE(found.standing.size() == 1);
+  CHECK(near(found.standing[0], places[0], 0.1, 0.01));
   std::vector<Pose> proposed = found.rivals;
   proposed.push_back(found.target_from_source);
   for (const Pose& place : places) {
