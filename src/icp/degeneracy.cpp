@@ -17,9 +17,9 @@ constexpr double kWeakRotation = 0.003;
 // A weak direction is charged to the body axes that make up most of it.
 constexpr double kShareOfAxis = 0.5;
 
-// What H has along a direction over what noise alone would give it: 0.5 to 3 in smooth tunnels; 10 and more
-// in streets, rooms, woods and fields.
-constexpr double kNoise = 2.5, kSignal = 5.0;
+// What H has along a direction over what noise alone would give it: 0.5 to 3 in smooth tunnels; 4 and more
+// in bare corridors, 10 and more in streets, rooms, woods and fields.
+constexpr double kNoise = 2.5, kSignal = 4.0;
 constexpr double kNothing = 1e-6;  // of the trace: open, whatever the noise
 
 Eigen::Matrix3d inverse(const Eigen::Matrix3d& block) {
