@@ -18,8 +18,9 @@ constexpr double kWeakRotation = 0.003;
 constexpr double kShareOfAxis = 0.5;
 
 // What H has along a direction over what noise alone would give it: 0.5 to 3 in smooth tunnels; 4 and more
-// in bare corridors, 10 and more in streets, rooms, woods and fields.
-constexpr double kNoise = 2.5, kSignal = 4.0;
+// in bare corridors, 10 and more in streets, rooms, woods and fields. A direction is named open a little
+// sooner than it is taken for it.
+constexpr double kNoise = 2.5, kSignal = 4.0, kNamed = 5.0;
 constexpr double kNothing = 1e-6;  // of the trace: open, whatever the noise
 
 Eigen::Matrix3d inverse(const Eigen::Matrix3d& block) {
@@ -65,7 +66,7 @@ std::array<Direction, 3> directions_of(const Matrix6& information, const Matrix6
 
 double examine(const std::array<Direction, 3>& directions, double threshold, int first, std::uint32_t* axes) {
   for (const Direction& direction : directions) {
-    if (direction.known > threshold && direction.seen() == 1) continue;
+    if (direction.known > std::max(threshold, kNamed * direction.noise)) continue;
     for (int axis = first; axis < first + 3; ++axis) {
       if (std::abs(direction.motion[axis]) > kShareOfAxis) *axes |= 1u << axis;
     }

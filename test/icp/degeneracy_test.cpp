@@ -78,7 +78,7 @@ TEST_CASE("of a motion in a pipe only the part along it is taken away, however i
       CHECK((taken * other - other).norm() < 0.02);
   }
   CHECK(observed(pipe(0.03, 0.01)) == Matrix6::Identity());  // ribs: few, but no noise
-  const Scene rough = pipe(0.1);                                    // taken at its word it is observed
+  const Scene rough = pipe(0.1);                             // taken at its word it is observed
   CHECK((find_degeneracy(rough.information).axes & 1u) == 0);
 }
 
