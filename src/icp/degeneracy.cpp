@@ -17,7 +17,7 @@ constexpr double kWeakRotation = 0.003;
 // A weak direction is charged to the body axes that make up most of it.
 constexpr double kShareOfAxis = 0.5;
 
-// What H has along a direction over what noise alone would give it: 0.5 to 3 in smooth tunnels; 4 and more
+// What H has along a direction over what noise alone would give it: 0.5 to 3 in smooth tunnels, 2.5 and more
 // in bare corridors, 10 and more in streets, rooms, woods and fields. A direction is named open a little
 // sooner than it is taken for it.
 constexpr double kNoise = 2.5, kSignal = 4.0, kNamed = 5.0;
