@@ -10,13 +10,13 @@ namespace scanlock {
 
 /// How well an alignment explains its scan, against how well alignments did lately.
 struct Health {
-  double energy =
-      1;  ///< weighted mean of Welsch's function of the residuals at a fixed scale, 0 (perfect) to 1
+  double energy = 1;       ///< weighted mean of Welsch's function of the residuals at a fixed scale, 0 to 1
   double overlap = 0;      ///< share of the source points that met a surface
   double baseline = 0;     ///< median of the recent energies
   bool young = true;       ///< there are but a few of them: the map is thin
   bool grown = false;      ///< there are as many as are ever kept
-  double score = 0;        ///< robust z-score of the energy against them
+  double rise = 0;         ///< of the energy over the baseline, in robust spreads of the recent ones
+  double score = 0;        ///< z-score: the same, in what chance does to so few points where that is more
   int inliers = 0;         ///< source points within three scales of their surface
   double share = 0;        ///< of the source points, the inliers
   double usual_share = 0;  ///< median of the recent ones

@@ -19,7 +19,7 @@ constexpr double kMicro = 1e-6;
 
 constexpr double kNewGroundShare = 0.6, kFitScore = 3.0;
 // A map of a few scans loses sight of much from one scan to the next.
-constexpr double kYoungShare = 0.8, kSuddenShare = 0.87, kWaryShare = 0.92, kSuddenScore = 0.5;
+constexpr double kYoungShare = 0.8, kSuddenShare = 0.87, kWaryShare = 0.92, kSuddenRise = 0.5;
 constexpr double kMoment = 0.35;  // seconds
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
@@ -145,7 +145,7 @@ struct Tracker::State {
     const bool little = health.score > kFitScore && health.share < kNewGroundShare * health.usual_share;
     // What made the last scan suspicious is not explained by one that fits a little better.
     const bool wary = distrusted_scans > 0 || gap(attempt) > kUnusualGap;
-    const bool suspicious = wary || health.score > kSuddenScore;
+    const bool suspicious = wary || health.rise > kSuddenRise;
     const double least = !health.grown ? kYoungShare : wary ? kWaryShare : kSuddenShare;
     const bool sudden = static_cast<double>(utime - last_trusted.utime) * kMicro < kMoment && suspicious &&
                         health.share < least * health.last_share;
