@@ -28,8 +28,10 @@ struct Health {
 /// in metres fails on fast roads, and overlap alone lies in both directions.)
 class HealthMonitor {
  public:
-  /// `scale`: metres, fixed while the sensor and the scene stay what they are.
-  Health assess(const std::vector<float>& residuals, const std::vector<float>& weights, double scale) const;
+  /// `scale`: metres, fixed while the sensor and the scene stay what they are. `points`: of the whole scan,
+  /// of which this may be a part.
+  Health assess(const std::vector<float>& residuals, const std::vector<float>& weights, double scale,
+                std::size_t points) const;
   /// Adds the energy of an alignment that was trusted.
   void remember(const Health& health);
   void forget() { count_ = 0; }

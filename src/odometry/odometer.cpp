@@ -123,7 +123,8 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
   attempt.alignment = aligner_.align(scan.source, map_.target(), local,
                                      options(std::max(scan.voxel, kReach * scan.median_range), reach));
   attempt.alignment.moving.pose.translation() += map_.origin();
-  attempt.health = health_.assess(aligner_.residuals(), aligner_.weights(), kKernel * sigma_);
+  attempt.health = health_.assess(aligner_.residuals(), aligner_.weights(), kKernel * sigma_,
+                                  std::max(scan.whole, scan.source.size()));
   return attempt;
 }
 
@@ -250,6 +251,7 @@ PreparedScan part_of(const PreparedScan& scan, std::size_t points) {
   PreparedScan part;
   part.voxel = scan.voxel;
   part.median_range = scan.median_range;
+  part.whole = std::max(scan.whole, scan.source.size());
   std::vector<std::uint32_t> indices;
   const std::size_t step = std::max<std::size_t>(scan.source.size() / points, 1);
   for (std::size_t i = 0; i < scan.source.size(); i += step) indices.push_back(static_cast<std::uint32_t>(i));
