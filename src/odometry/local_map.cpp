@@ -30,7 +30,7 @@ LocalMap::LocalMap(const LocalMapLimits& limits) : limits_(limits) {}
 void LocalMap::clear() {
   keyframes_.clear();
   cloud_ = {};
-  owner_.clear();
+  last_seen_.clear();
   taken_.clear();
   tree_.rebuild(cloud_);
   surfaces_.reset(cloud_, tree_, 1.0f, planar_);
@@ -81,22 +81,22 @@ void LocalMap::forget(const Eigen::Vector3d& here) {
   std::size_t points = keyframes_.back().points.size();
   for (const Keyframe& k : keyframes_) kept.insert(k.id);
   // The cap counts points of the map; the oldest keyframes give way.
-  for (std::uint32_t owner : owner_) points += kept.count(owner);
+  for (std::uint32_t id : last_seen_) points += kept.count(id);
   while (points > static_cast<std::size_t>(limits_.max_points) && keyframes_.size() > 1) {
     const std::uint32_t oldest = keyframes_.front().id;
-    points -= static_cast<std::size_t>(std::count(owner_.begin(), owner_.end(), oldest));
+    points -= static_cast<std::size_t>(std::count(last_seen_.begin(), last_seen_.end(), oldest));
     kept.erase(oldest);
     keyframes_.pop_front();
   }
 
-  std::vector<std::uint32_t> stay, owners;
+  std::vector<std::uint32_t> stay, last_seen;
   for (std::uint32_t i = 0; i < cloud_.size(); ++i) {
-    if (!kept.count(owner_[i])) continue;
+    if (!kept.count(last_seen_[i])) continue;
     stay.push_back(i);
-    owners.push_back(owner_[i]);
+    last_seen.push_back(last_seen_[i]);
   }
   cloud_ = select(cloud_, stay);
-  owner_ = std::move(owners);
+  last_seen_ = std::move(last_seen);
 }
 
 void LocalMap::move_origin(const Eigen::Vector3d& here) {
@@ -117,7 +117,8 @@ void LocalMap::note_voxels(double voxel) {
   voxel_ = voxel;
   const float inverse_voxel = static_cast<float>(1.0 / voxel);
   taken_.clear();
-  for (std::size_t i = 0; i < cloud_.size(); ++i) taken_.insert(voxel_key(cloud_.point(i), inverse_voxel));
+  for (std::uint32_t i = 0; i < cloud_.size(); ++i)
+    taken_.insert(voxel_key(cloud_.point(i), inverse_voxel), i);
 }
 
 void LocalMap::add_novel_points(const Keyframe& keyframe) {
@@ -126,9 +127,14 @@ void LocalMap::add_novel_points(const Keyframe& keyframe) {
   const Eigen::Vector3f translation = (keyframe.map_from_body.translation() - origin_).cast<float>();
   for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
     const Eigen::Vector3f p = rotation * keyframe.points.point(i) + translation;
-    if (!taken_.insert(voxel_key(p, inverse_voxel))) continue;
+    const auto next = static_cast<std::uint32_t>(cloud_.size());
+    const std::uint32_t point = taken_.insert(voxel_key(p, inverse_voxel), next);
+    if (point != next) {
+      last_seen_[point] = keyframe.id;
+      continue;
+    }
     cloud_.push_back(p);
-    owner_.push_back(keyframe.id);
+    last_seen_.push_back(keyframe.id);
     cloud_.eyes.push_back(translation);
   }
 }

@@ -9,7 +9,7 @@
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 #include "icp/scan_alignment.hpp"
-#include "odometry/voxel_set.hpp"
+#include "odometry/voxel_index.hpp"
 
 namespace scanlock {
 
@@ -27,8 +27,9 @@ struct LocalMapLimits {
   double max_distance = 100;  ///< metres from the robot at which a keyframe is forgotten
 };
 
-/// A sliding window of keyframes and their union, thinned to one point a voxel, the oldest point first (the
-/// map then does not creep along with what is measured against it). Coordinates are floats relative to
+/// A sliding window of keyframes and their union, thinned to one point a voxel: the first one that was seen
+/// there (the map then does not creep along with what is measured against it), for as long as a keyframe of
+/// the window sees that voxel. Coordinates are floats relative to
 /// `origin()`, which follows the robot; axes are those of the map frame.
 class LocalMap {
  public:
@@ -67,11 +68,11 @@ class LocalMap {
   LocalMapLimits limits_;
   std::deque<Keyframe> keyframes_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
-  PointCloud cloud_;                  ///< relative to origin_
-  std::vector<std::uint32_t> owner_;  ///< id of the keyframe that each point came with
+  PointCloud cloud_;                      ///< relative to origin_
+  std::vector<std::uint32_t> last_seen_;  ///< by which keyframe, its id, each point
   bool planar_ = false;
   double voxel_ = 0;  ///< metres, of the grid that `taken_` is of
-  VoxelSet taken_;
+  VoxelIndex taken_;
   KdForest tree_;
   LocalSurfaces surfaces_;
   std::uint32_t next_id_ = 0;

@@ -1,0 +1,67 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/local_map.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdint>
+
+namespace {
+
+using namespace scanlock;
+
+constexpr double kVoxel = 0.5;  // metres
+
+/// A row of points along y, one in each voxel.
+void add_row(float x, PointCloud* cloud) {
+  for (int i = 0; i < 40; ++i)
+    cloud->push_back(Eigen::Vector3f(x, 0.1f + static_cast<float>(i) * static_cast<float>(kVoxel), 0.1f));
+}
+
+Keyframe keyframe(std::int64_t utime, const PointCloud& points) {
+  Keyframe result;
+  result.utime = utime;
+  result.points = points;
+  return result;
+}
+
+int points_at(float x, const LocalMap& map) {
+  int count = 0;
+  for (std::uint32_t i = 0; i < map.size(); ++i) {
+    count +=
+        std::abs(static_cast<double>(map.cloud().x[i]) + map.origin().x() - static_cast<double>(x)) < 1e-4;
+  }
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("a map keeps what its keyframes see, whoever saw it first, and forgets the rest") {
+  LocalMapLimits limits;
+  limits.max_keyframes = 3;
+  LocalMap map(limits);
+  for (int i = 0; i < 10; ++i) {
+    PointCloud seen;
+    if (i < 9) add_row(0.1f, &seen);
+    add_row(10.1f + static_cast<float>(i), &seen);
+    // Another voxel size makes it forget at once.
+    map.insert(keyframe(i, seen), i < 9 ? kVoxel : 0.99 * kVoxel);
+  }
+  CHECK(map.keyframes().size() == 3);
+  CHECK(points_at(0.1f, map) == 40);
+  for (int i = 0; i < 10; ++i) CHECK(points_at(10.1f + static_cast<float>(i), map) == (i < 7 ? 0 : 40));
+}
+
+TEST_CASE("the first point of a voxel stays, so that the map does not creep") {
+  LocalMapLimits limits;
+  limits.max_keyframes = 2;
+  LocalMap map(limits);
+  for (int i = 0; i < 6; ++i) {
+    PointCloud seen;
+    add_row(0.1f + 0.05f * static_cast<float>(i), &seen);
+    map.insert(keyframe(i, seen), i < 5 ? kVoxel : 0.99 * kVoxel);
+  }
+  CHECK(points_at(0.1f, map) == 40);
+  CHECK(map.size() == 40);
+}
