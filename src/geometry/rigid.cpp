@@ -131,8 +131,26 @@ Matrix6 adjoint(const Pose& pose) {
   return ad;
 }
 
+Eigen::Quaterniond least_rotation(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d a = from.normalized(), b = to.normalized();
+  const Eigen::Vector3d across = a.cross(b);
+  const double cosine = a.dot(b);
+  // Where they are nearly opposite, the sum loses the digits that the square of the sine has.
+  const double one_plus = cosine < 0 ? across.squaredNorm() / (1.0 - cosine) : 1.0 + cosine;
+  Eigen::Quaterniond q;
+  if (one_plus < 1e-12) {
+    q.w() = 0;
+    q.vec() = a.unitOrthogonal();
+  } else {
+    const double twice = std::sqrt(2.0 * one_plus);  // the cosine of half the angle
+    q.w() = 0.5 * twice;
+    q.vec() = across * (1.0 / twice);
+  }
+  return q;
+}
+
 Eigen::Matrix3d level_rotation(const Eigen::Vector3d& up) {
-  return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return least_rotation(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
 Pose renormalised(const Pose& pose) {

@@ -35,6 +35,10 @@ Matrix6 se3_left_jacobian(const Vector6& xi);
 /// Adjoint: T exp(xi) T^-1 = exp(Ad(T) xi).
 Matrix6 adjoint(const Pose& pose);
 
+/// The least rotation that turns the direction of `from` into that of `to` (any lengths but 0); half a turn
+/// about some axis across where they are opposite.
+Eigen::Quaterniond least_rotation(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+
 /// The least rotation that turns `up` (any length but 0) into the z axis; of the direction opposite to z,
 /// half a turn about some horizontal axis.
 Eigen::Matrix3d level_rotation(const Eigen::Vector3d& up);

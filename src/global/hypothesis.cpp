@@ -38,7 +38,7 @@ double separation(const Pose& a, const Pose& b, const Eigen::Vector3d& centre, d
 
 Pose levelled(const Pose& pose, const Eigen::Vector3d& up, const Eigen::Vector3d& centre) {
   Pose result = pose;
-  result.linear() = Eigen::Quaterniond::FromTwoVectors(pose.linear().col(2), up) * pose.linear();
+  result.linear() = least_rotation(pose.linear().col(2), up) * pose.linear();
   result.translation() = pose * centre - result.linear() * centre;
   return result;
 }

@@ -32,6 +32,22 @@ Eigen::Matrix4d exp_by_series(const Vector6& xi) {
 
 }  // namespace
 
+TEST_CASE("the least rotation turns one direction into the other, about what is across both") {
+  std::mt19937 rng(2);
+  std::normal_distribution<double> normal;
+  for (int trial = 0; trial < 100; ++trial) {
+    const Eigen::Vector3d from(normal(rng), normal(rng), normal(rng));
+    Eigen::Vector3d to(normal(rng), normal(rng), normal(rng));
+    if (trial % 4 == 0) to = from * std::pow(10.0, normal(rng));
+    if (trial % 4 == 1) to = -from * std::pow(10.0, normal(rng));
+    if (trial % 4 == 2) to = -from + 1e-5 * to;
+    const Eigen::Quaterniond q = least_rotation(from, to);
+    CHECK(std::abs(q.norm() - 1.0) < 1e-9);
+    CHECK((q * from.normalized() - to.normalized()).norm() < 1e-5);
+    CHECK(std::abs(q.vec().dot(from.normalized())) < 1e-9);
+  }
+}
+
 TEST_CASE("exponential of SE3 equals the matrix exponential") {
   std::mt19937 rng(1);
   for (double angle : {0.0, 1e-12, 1e-6, 1e-3, 0.1, 0.49, 0.51, 1.0, 3.0, kPi, 5.0}) {

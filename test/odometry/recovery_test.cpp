@@ -187,14 +187,15 @@ TEST_CASE("what a finder remembers of other searches changes no answer") {
   coarser.voxel *= 1.35;
   // The same stamps, another map: a log that was played twice.
   for (ArchivedKeyframe& place : turned.places) place.map_from_body = at(1, 2, 0.5) * place.map_from_body;
+  const std::vector<RecoveryRequest> requests{*request, elsewhere, coarser, turned};
+  std::vector<RecoveryAnswer> fresh;
+  for (const RecoveryRequest& asked : requests) fresh.push_back(PlaceFinder().find(asked));
   PlaceFinder remembering;
-  for (int round = 0; round < 2; ++round) {
-    for (const RecoveryRequest& asked : {*request, elsewhere, coarser, turned}) {
-      const RecoveryAnswer answer = remembering.find(asked), fresh = PlaceFinder().find(asked);
-      CHECK(answer.map_from_predicted.matrix() == fresh.map_from_predicted.matrix());
-      CHECK(answer.matches == fresh.matches);
-      CHECK(answer.reason == fresh.reason);
-    }
+  for (const std::size_t asked : {0, 1, 2, 3, 0, 3, 1}) {
+    const RecoveryAnswer answer = remembering.find(requests[asked]);
+    CHECK(answer.map_from_predicted.matrix() == fresh[asked].map_from_predicted.matrix());
+    CHECK(answer.matches == fresh[asked].matches);
+    CHECK(answer.reason == fresh[asked].reason);
   }
 }
 
@@ -223,11 +224,11 @@ TEST_CASE("a saved map is found again by another run") {
 
 TEST_CASE("a robot that was carried onto a slope is found with an attitude sensor only") {
   const Drive drive{
-      60, at(-4, 0, -150 * kDegree) * se3_exp((Vector6() << 0, 0, 0, 10 * kDegree, 0, 0).finished())};
+      40, at(-4, 0, -150 * kDegree) * se3_exp((Vector6() << 0, 0, 0, 10 * kDegree, 0, 0).finished())};
   Tracker with(TrackerConfig{}), without(TrackerConfig{});
   PlaceFinder finder_with, finder_without;
   TrackedScan a, b;
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 60; ++i) {
     const Scan scan = drive.scan(i);
     ScanPrior prior;
     prior.level_from_body = Eigen::Quaterniond(drive.pose(i).linear());
