@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: MIT
 #include "icp/cloud_problem.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "geometry/linear.hpp"
 #include "geometry/parallel.hpp"
 #include "icp/welsch.hpp"
 
@@ -211,7 +211,7 @@ Pose CloudProblem::plane_step() const {
   if (!(tt > 0 && rr > 0)) return pose_;
   hessian.diagonal().head<3>().array() += kDamping * tt;
   hessian.diagonal().tail<3>().array() += kDamping * rr;
-  const Vector6 step = -hessian.ldlt().solve(sums_.gradient);
+  const Vector6 step = -solve(hessian, sums_.gradient);
   return renormalised(se3_exp(step) * pose_);
 }
 

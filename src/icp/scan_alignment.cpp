@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "icp/scan_alignment.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,8 +14,6 @@
 
 namespace scanlock {
 namespace {
-
-using Vector12 = Eigen::Matrix<double, 12, 1>;
 
 /// Sums over the points of one knot, in the frame of the prior's pose: j = [n; w x n].
 struct KnotSums {
@@ -200,10 +196,10 @@ struct ScanAligner::Workspace final : DescentProblem {
     const double scale = prior_weight() * nu * nu;
     // d moves x by J_l(x)^-1 d to first order.
     Matrix12 to_error = Matrix12::Identity();
-    to_error.topLeftCorner<6, 6>() = se3_left_jacobian(x).inverse();
+    to_error.topLeftCorner<6, 6>() = inverse(se3_left_jacobian(x));
     hessian += scale * to_error.transpose() * prior->information * to_error;
     gradient += scale * to_error.transpose() * (prior->information * prior_error());
-    const Vector12 step = -hessian.ldlt().solve(gradient);
+    const Vector12 step = -solve(hessian, gradient);
     StateVector state(12);
     state << se3_log(se3_exp(step.head<6>()) * se3_exp(x)),
         (twist - prior->mean.twist + step.tail<6>()) * duration;

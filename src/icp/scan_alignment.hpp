@@ -6,14 +6,13 @@
 #include <cstdint>
 #include <memory>
 
+#include "geometry/linear.hpp"
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 #include "icp/local_surfaces.hpp"
 #include "search/kd_forest.hpp"
 
 namespace scanlock {
-
-using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
 /// A pose and its velocity: during a scan the body moves as pose * exp(t * twist), t in seconds from the
 /// stamp.

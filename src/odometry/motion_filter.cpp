@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "odometry/motion_filter.hpp"
 
-#include <Eigen/Cholesky>
-
 namespace scanlock {
 namespace {
 
@@ -11,10 +9,6 @@ namespace {
 constexpr double kStartSpeed = 10.0;    // m/s
 constexpr double kStartTurnRate = 1.5;  // rad/s
 constexpr double kPoseFloor = 1e-3;     // m and rad: no pose is known better than this
-
-Matrix12 inverse(const Matrix12& matrix) {
-  return matrix.ldlt().solve(Matrix12::Identity());
-}
 
 }  // namespace
 
@@ -60,7 +54,7 @@ MotionPrior MotionFilter::predict(double dt) const {
   noise.bottomLeftCorner<6, 6>().diagonal() = density * (dt * dt / 2.0);
   noise.diagonal().head<6>().array() += kPoseFloor * kPoseFloor;
   noise.diagonal().tail<6>().array() += kPoseFloor * kPoseFloor;
-  prior.information = inverse(transition * covariance_ * transition.transpose() + noise);
+  prior.information = inverse(Matrix12(transition * covariance_ * transition.transpose() + noise));
   return prior;
 }
 
@@ -76,7 +70,7 @@ MotionPrior MotionFilter::predict(double dt, const Pose& motion) const {
 
 void MotionFilter::update(const MotionPrior& prior, const ScanAlignment& alignment, double variance) {
   state_ = {renormalised(alignment.moving.pose), alignment.moving.twist};
-  covariance_ = inverse(prior.information + alignment.information / variance);
+  covariance_ = inverse(Matrix12(prior.information + alignment.information / variance));
 }
 
 void MotionFilter::coast(const MotionPrior& prior) {
@@ -90,7 +84,7 @@ Matrix12 prior_information(double metres, double radians, const Matrix12& covari
   information.diagonal().segment<3>(3).setConstant(1.0 / (radians * radians));
   Matrix6 velocity = covariance.bottomRightCorner<6, 6>();
   velocity.diagonal().array() += 0.01;
-  information.bottomRightCorner<6, 6>() = velocity.inverse();
+  information.bottomRightCorner<6, 6>() = inverse(velocity);
   return information;
 }
 

@@ -129,7 +129,7 @@ struct Tracker::State {
   /// place, it has to be where it was predicted.
   bool plausible(const Attempt& attempt) const {
     if (gap(attempt) > (distrusted_scans > 0 ? kUnusualGap : kMostGap)) return false;
-    const Matrix12 covariance = attempt.prior.information.inverse();
+    const Matrix12 covariance = inverse(attempt.prior.information);
     const double metres = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
     const double radians = std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
     const Pose &found = attempt.alignment.moving.pose, &predicted = attempt.prior.mean.pose;

@@ -1,0 +1,22 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "geometry/rigid.hpp"
+
+namespace scanlock {
+
+using Vector12 = Eigen::Matrix<double, 12, 1>;
+using Matrix12 = Eigen::Matrix<double, 12, 12>;
+
+// The systems of poses and of motions. They are compiled here, once: unrolled, they take long.
+
+/// The solution of a x = b for a positive definite a (LDLT).
+Vector6 solve(const Matrix6& a, const Vector6& b);
+Vector12 solve(const Matrix12& a, const Vector12& b);
+/// The inverse of a positive definite matrix (LDLT).
+Matrix12 inverse(const Matrix12& a);
+/// The inverse of any regular matrix (LU).
+Matrix6 inverse(const Matrix6& a);
+
+}  // namespace scanlock
