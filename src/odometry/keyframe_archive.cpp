@@ -12,6 +12,8 @@ namespace scanlock {
 namespace {
 
 constexpr double kSpacing = 1.0 / 6.0;       // of the reach, between two places
+constexpr double kSuperseded = 1.0 / 3.0;    // of the reach, around a new place
+constexpr std::int64_t kFresh = 60000000;    // microseconds: the drift of a minute does not matter
 constexpr double kNeighbourhood = 20.0;      // metres
 constexpr std::size_t kMostPoints = 3000;    // of a place
 constexpr double kFirstVoxel = 1.0 / 100.0;  // of the reach
@@ -24,12 +26,16 @@ bool stands_alike(const std::vector<Vector>& stands, const Vector& up) {
                      [&](const Vector& other) { return up.dot(other) > least; });
 }
 
+bool is_fresh(const ArchivedKeyframe& k, std::int64_t utime) {
+  return utime - k.utime < kFresh;
+}
+
 }  // namespace
 
-bool KeyframeArchive::wants(const Eigen::Vector3d& position, double reach) const {
+bool KeyframeArchive::wants(std::int64_t utime, const Eigen::Vector3d& position, double reach) const {
   const double spacing = kSpacing * reach;
   return std::none_of(keyframes_.rbegin(), keyframes_.rend(), [&](const ArchivedKeyframe& k) {
-    return (k.map_from_body.translation() - position).squaredNorm() < spacing * spacing;
+    return is_fresh(k, utime) && (k.map_from_body.translation() - position).norm() < spacing;
   });
 }
 
@@ -58,7 +64,13 @@ void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double 
   thin.z = points.z;
   for (double voxel = kFirstVoxel * std::max(reach, 1.0); thin.size() > kMostPoints; voxel *= std::sqrt(2.0))
     thin = select(thin, thin_by_voxel(thin, static_cast<float>(voxel)));
-  points_ += thin.size();
+  const auto superseded = [&](const ArchivedKeyframe& k) {
+    return !is_fresh(k, utime) &&
+           (k.map_from_body.translation() - map_from_body.translation()).norm() < kSuperseded * reach;
+  };
+  keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(), superseded), keyframes_.end());
+  points_ = thin.size();
+  for (const ArchivedKeyframe& k : keyframes_) points_ += k.points->size();
   keyframes_.push_back({utime,
                         map_from_body,
                         static_cast<float>(reach),

@@ -31,20 +31,22 @@ struct SavedMap {
 };
 
 /// The long memory: places spread over all mapped ground, for coming back to. What it costs is bounded by its
-/// cap, and driving over known ground again adds nothing. Copies are cheap: they share the points.
+/// cap. Who drives over known ground again renews it: odometry drifts, and places of hours ago would lie
+/// beside those of now. Copies are cheap: they share the points.
 class KeyframeArchive {
  public:
   /// `max_points`: over all keyframes; the oldest give way.
   explicit KeyframeArchive(std::size_t max_points) : max_points_(max_points) {}
 
-  /// True where no archived keyframe is within a sixth of `reach` (metres) of `position` (map frame).
-  bool wants(const Eigen::Vector3d& position, double reach) const;
+  /// True where no keyframe of the last minute is within a sixth of `reach` (metres) of `position` (map
+  /// frame).
+  bool wants(std::int64_t utime, const Eigen::Vector3d& position, double reach) const;
   /// Whether the robot has seen this position from near.
   bool knows(const Eigen::Vector3d& position) const;
   /// The size of the scene around a position: the mean reach, metres, of the places there. Not of an empty
   /// one.
   double scene(const Eigen::Vector3d& position) const;
-  /// `points` in the body frame, any density.
+  /// `points` in the body frame, any density. Older places within a third of `reach` give way.
   void add(std::int64_t utime, const Pose& map_from_body, double reach, const PointCloud& points);
   /// The body stood like this: on slopes that differs from one step to the next.
   void note_stand(const Pose& map_from_body);

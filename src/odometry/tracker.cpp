@@ -197,7 +197,7 @@ struct Tracker::State {
       return;
     }
     odometer.keep(utime, scan, attempt.health.share);
-    if (archive.wants(last_trusted.map_from_body.translation(), scan.median_range))
+    if (archive.wants(utime, last_trusted.map_from_body.translation(), scan.median_range))
       archive.add(utime, last_trusted.map_from_body, scan.median_range,
                   deskewed(scan.source, odometer.state().twist));
     archive.note_stand(last_trusted.map_from_body);

@@ -29,11 +29,28 @@ Pose at(double x, double y) {
 
 TEST_CASE("the archive wants a place only where it has none") {
   KeyframeArchive archive(1000000);
-  CHECK(archive.wants({0, 0, 0}, 12));
+  CHECK(archive.wants(2, {0, 0, 0}, 12));
   archive.add(1, at(0, 0), 12, ring(500, 12));
-  CHECK_FALSE(archive.wants({1.9, 0, 0}, 12));
-  CHECK(archive.wants({2.1, 0, 0}, 12));
-  CHECK(archive.wants({1.9, 0, 0}, 6));
+  CHECK_FALSE(archive.wants(2, {1.9, 0, 0}, 12));
+  CHECK(archive.wants(2, {2.1, 0, 0}, 12));
+  CHECK(archive.wants(2, {1.9, 0, 0}, 6));
+}
+
+TEST_CASE("a place that is seen again after a minute gives way to what is seen now") {
+  constexpr std::int64_t kSecond = 1000000;
+  KeyframeArchive archive(1000000);
+  for (int i = 0; i < 10; ++i) archive.add(i * kSecond, at(2.5 * i, 0), 12, ring(500, 12));
+  CHECK_FALSE(archive.wants(30 * kSecond, {0, 0.5, 0}, 12));
+  CHECK(archive.wants(100 * kSecond, {0, 0.5, 0}, 12));
+  // The same way again, half a metre beside it: nothing stays of the first pass, and nothing is there twice.
+  for (int i = 0; i < 10; ++i) {
+    const Pose pose = at(2.5 * i, 0.5);
+    REQUIRE(archive.wants((100 + i) * kSecond, pose.translation(), 12));
+    archive.add((100 + i) * kSecond, pose, 12, ring(400, 12));
+  }
+  CHECK(archive.keyframes().size() == 10);
+  CHECK(archive.points() == 4000);
+  for (const ArchivedKeyframe& k : archive.keyframes()) CHECK(k.utime >= 100 * kSecond);
 }
 
 TEST_CASE("a place is thinned and the oldest places give way to the cap") {
