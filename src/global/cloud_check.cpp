@@ -46,7 +46,8 @@ Eigen::Vector3d CloudCheck::loose_direction() const {
     const Eigen::Vector2d normal = cloud_.normal(i).head<2>().cast<double>();
     moment += normal * normal.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(moment);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
+  solver.computeDirect(moment);
   const Eigen::Vector2d least = solver.eigenvectors().col(0);
   return {least.x(), least.y(), 0};
 }

@@ -7,9 +7,9 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <random>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include "geometry/angles.hpp"
+#include "matrix_exponential.hpp"
 
 namespace scanlock {
 namespace {
@@ -22,12 +22,11 @@ Vector6 random_twist(std::mt19937& rng, double angle) {
   return xi;
 }
 
-/// exp by definition, equation 11: the Taylor series of the 4x4 matrix, scaled and squared.
 Eigen::Matrix4d exp_by_series(const Vector6& xi) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
   m.topLeftCorner<3, 3>() = hat(xi.tail<3>());
   m.topRightCorner<3, 1>() = xi.head<3>();
-  return m.exp();
+  return matrix_exponential(m);
 }
 
 }  // namespace

@@ -94,8 +94,7 @@ TEST_CASE("Any axis of rotation") {
   const Pose truth = sample.pose(5);
   const Matches matches = sample.matches(400, 40, truth, 10, 0.05);
   for (const Vector3d& up : {Vector3d(0, -1, 0), Vector3d(1, 2, 3), Vector3d(0, 0, -5)}) {
-    const Eigen::Matrix3d turn =
-        Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), up.normalized()).toRotationMatrix();
+    const Eigen::Matrix3d turn = least_rotation(Vector3d::UnitZ(), up).toRotationMatrix();
     Matches turned = matches;
     for (Match& m : turned) {
       m.p = turn * m.p;
