@@ -13,10 +13,6 @@ namespace {
 /// Energies of good alignments differ by so much from one corner of a scene to the next: a smaller spread in
 /// the history is luck, not knowledge.
 constexpr double kLeastSpread = 0.03;
-/// Chance in the mean energy of n points is this over sqrt(n) at most: single energies differ by 0.3, and up
-/// to ten points share the error of their surface. (Planar sensors were seen to have half of it, with long
-/// tails.)
-constexpr double kPointSpread = 0.95;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -27,7 +23,7 @@ double median(std::vector<double> values) {
 }  // namespace
 
 Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vector<float>& weights,
-                             double scale, std::size_t points) const {
+                             double scale, double chance) const {
   Health health;
   double weight_sum = 0, cost = 0;
   std::size_t matched = 0;
@@ -57,9 +53,8 @@ Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vec
     health.baseline = median(recent);
     for (double& energy : recent) energy = std::abs(energy - health.baseline);
     const double spread = std::max(1.4826 * median(recent), kLeastSpread);
-    const double few = kPointSpread / std::sqrt(std::max(health.overlap * static_cast<double>(points), 1.0));
     health.rise = (health.energy - health.baseline) / spread;
-    health.score = (health.energy - health.baseline) / std::max(spread, few);
+    health.score = (health.energy - health.baseline) / std::max(spread, chance);
   }
   return health;
 }

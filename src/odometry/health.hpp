@@ -16,7 +16,7 @@ struct Health {
   bool young = true;       ///< there are but a few of them: the map is thin
   bool grown = false;      ///< there are as many as are ever kept
   double rise = 0;         ///< of the energy over the baseline, in robust spreads of the recent ones
-  double score = 0;        ///< z-score: the same, in what chance does to so few points where that is more
+  double score = 0;        ///< z-score: the same, or in units of chance where those are larger
   int inliers = 0;         ///< source points within three scales of their surface
   double share = 0;        ///< of the source points, the inliers
   double usual_share = 0;  ///< median of the recent ones
@@ -28,10 +28,10 @@ struct Health {
 /// in metres fails on fast roads, and overlap alone lies in both directions.)
 class HealthMonitor {
  public:
-  /// `scale`: metres, fixed while the sensor and the scene stay what they are. `points`: of the whole scan,
-  /// of which this may be a part.
+  /// `scale`: metres, fixed while the sensor and the scene stay what they are. `chance`: what the
+  /// energy of a whole scan, of which this may be a part, varies by with no reason.
   Health assess(const std::vector<float>& residuals, const std::vector<float>& weights, double scale,
-                std::size_t points) const;
+                double chance) const;
   /// Adds the energy of an alignment that was trusted.
   void remember(const Health& health);
   void forget() { count_ = 0; }

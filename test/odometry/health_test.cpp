@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -25,7 +26,8 @@ Health assess(const HealthMonitor& monitor, int points, double off, std::mt19937
     const float residual = noise(*random) + (moved(*random) ? 2.0f * static_cast<float>(kScale) : 0.0f);
     residuals.insert(residuals.end(), 10, residual);
   }
-  return monitor.assess(residuals, std::vector<float>(residuals.size(), 1.0f), kScale, residuals.size());
+  return monitor.assess(residuals, std::vector<float>(residuals.size(), 1.0f), kScale,
+                        0.95 / std::sqrt(residuals.size()));
 }
 
 /// That of a robot at rest: chance was the same in all scans, so that their energies hardly differ.
