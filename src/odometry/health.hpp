@@ -23,13 +23,16 @@ struct Health {
   double last_share = 0;   ///< the least of the last few: between two scans little new comes into view
 };
 
+/// What chance does to the energy of a whole scan of a planar sensor.
+double planar_chance(std::size_t points);
+
 /// The normalised energy and its recent history. A scan of a known place costs about what the scans before it
 /// cost, however fast the robot goes; a scan of another place, wherever ICP has slid it, costs more. (A guard
 /// in metres fails on fast roads, and overlap alone lies in both directions.)
 class HealthMonitor {
  public:
-  /// `scale`: metres, fixed while the sensor and the scene stay what they are. `chance`: what the
-  /// energy of a whole scan, of which this may be a part, varies by with no reason.
+  /// `scale`: metres, fixed while the sensor and the scene stay what they are. `chance`: what the energy of a
+  /// whole scan, of which this may be a part, varies by with no reason.
   Health assess(const std::vector<float>& residuals, const std::vector<float>& weights, double scale,
                 double chance) const;
   /// Adds the energy of an alignment that was trusted.

@@ -69,8 +69,6 @@ void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double 
            (k.map_from_body.translation() - map_from_body.translation()).norm() < kSuperseded * reach;
   };
   keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(), superseded), keyframes_.end());
-  points_ = thin.size();
-  for (const ArchivedKeyframe& k : keyframes_) points_ += k.points->size();
   keyframes_.push_back({utime,
                         map_from_body,
                         static_cast<float>(reach),
@@ -93,8 +91,6 @@ void KeyframeArchive::note_stand(const Pose& map_from_body) {
 
 void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes) {
   keyframes_ = std::move(keyframes);
-  points_ = 0;
-  for (const ArchivedKeyframe& k : keyframes_) points_ += k.points->size();
   evict();
 }
 
@@ -104,6 +100,8 @@ void KeyframeArchive::clear() {
 }
 
 void KeyframeArchive::evict() {
+  points_ = 0;
+  for (const ArchivedKeyframe& k : keyframes_) points_ += k.points->size();
   std::size_t gone = 0;
   while (points_ > max_points_ && gone + 1 < keyframes_.size()) points_ -= keyframes_[gone++].points->size();
   keyframes_.erase(keyframes_.begin(), keyframes_.begin() + static_cast<std::ptrdiff_t>(gone));

@@ -29,8 +29,8 @@ struct LocalMapLimits {
 
 /// A sliding window of keyframes and their union, thinned to one point a voxel: the first one that was seen
 /// there (the map then does not creep along with what is measured against it), for as long as a keyframe of
-/// the window sees that voxel. Coordinates are floats relative to
-/// `origin()`, which follows the robot; axes are those of the map frame.
+/// the window sees that voxel. Coordinates are floats relative to `origin()`, which follows the robot; axes
+/// are those of the map frame.
 class LocalMap {
  public:
   explicit LocalMap(const LocalMapLimits& limits);

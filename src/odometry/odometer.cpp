@@ -30,10 +30,6 @@ constexpr double kBendShare = 2;
 constexpr double kClearlyLess = 0.9;  // of the cost
 constexpr double kAtRest = 0.3;       // voxels that a robot at rest seems to move between two scans
 
-/// Over the square root of the points: single energies differ by 0.3, and ten of them share an error, where
-/// the plane of the sensor cuts a chair or a door.
-constexpr double kPlanarChance = 0.95;
-
 constexpr std::size_t kFewKeyframes = 8;  // make a map that is open for want of points
 
 constexpr double kLeastShare = 0.3;
@@ -41,10 +37,6 @@ constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history says
 constexpr double kMostAtFirst = 0.7;  // a map of few scans is thin
 constexpr double kUsualShare = 0.8;
-
-double planar_chance(const PreparedScan& scan) {
-  return kPlanarChance / std::sqrt(static_cast<double>(std::max(scan.whole, scan.source.size())));
-}
 
 /// Along what a scene leaves open the motion goes on as it was: the surfaces of a tunnel are seen where the
 /// robot was before, so that an alignment holds it back a little in each scan.
@@ -132,7 +124,7 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
                                      options(std::max(scan.voxel, kReach * scan.median_range), reach));
   attempt.alignment.moving.pose.translation() += map_.origin();
   attempt.health = health_.assess(aligner_.residuals(), aligner_.weights(), kKernel * sigma_,
-                                  map_.planar() ? planar_chance(scan) : 0.0);
+                                  map_.planar() ? planar_chance(scan.whole) : 0.0);
   return attempt;
 }
 
@@ -259,7 +251,7 @@ PreparedScan part_of(const PreparedScan& scan, std::size_t points) {
   PreparedScan part;
   part.voxel = scan.voxel;
   part.median_range = scan.median_range;
-  part.whole = std::max(scan.whole, scan.source.size());
+  part.whole = scan.whole;
   std::vector<std::uint32_t> indices;
   const std::size_t step = std::max<std::size_t>(scan.source.size() / points, 1);
   for (std::size_t i = 0; i < scan.source.size(); i += step) indices.push_back(static_cast<std::uint32_t>(i));

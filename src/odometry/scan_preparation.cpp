@@ -144,6 +144,7 @@ PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, Vox
     source.swap(fewer);
   }
   result.source = select(result.fine, source);
+  result.whole = result.source.size();
   return result;
 }
 

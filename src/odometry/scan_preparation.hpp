@@ -41,7 +41,7 @@ struct PreparedScan {
   PointCloud source;        ///< a coarser part of it: is aligned
   double voxel = 0;         ///< metres, of `fine`
   double median_range = 0;  ///< metres
-  std::size_t whole = 0;    ///< points of the source that this one is a part of, where it is one
+  std::size_t whole = 0;    ///< points of the source, also of one that this is a part of
   bool planar = false;      ///< all its points lie in the plane of x and y: that is all the sensor sees
 };
 /// Whether there are points on all sides (of the z axis), but for a quarter at most.

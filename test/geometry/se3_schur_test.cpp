@@ -40,13 +40,6 @@ MatrixXd schur_log(const MatrixXd& t) {
   return result;
 }
 
-MatrixXd as_matrix(const Vector6& xi) {
-  MatrixXd m = MatrixXd::Zero(4, 4);
-  m.topLeftCorner<3, 3>() = hat(xi.tail<3>());
-  m.topRightCorner<3, 1>() = xi.head<3>();
-  return m;
-}
-
 }  // namespace
 
 TEST_CASE("the logarithm by the Schur form inverts the exponential in two to six dimensions") {

@@ -4,7 +4,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cmath>
 #include <random>
 #include <vector>
 
@@ -27,7 +26,7 @@ Health assess(const HealthMonitor& monitor, int points, double off, std::mt19937
     residuals.insert(residuals.end(), 10, residual);
   }
   return monitor.assess(residuals, std::vector<float>(residuals.size(), 1.0f), kScale,
-                        0.95 / std::sqrt(residuals.size()));
+                        planar_chance(residuals.size()));
 }
 
 /// That of a robot at rest: chance was the same in all scans, so that their energies hardly differ.

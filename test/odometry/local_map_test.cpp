@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 namespace {
 
@@ -19,11 +20,14 @@ void add_row(float x, PointCloud* cloud) {
     cloud->push_back(Eigen::Vector3f(x, 0.1f + static_cast<float>(i) * static_cast<float>(kVoxel), 0.1f));
 }
 
-Keyframe keyframe(std::int64_t utime, const PointCloud& points) {
-  Keyframe result;
-  result.utime = utime;
-  result.points = points;
-  return result;
+/// The last of them with another voxel size, at which the map forgets at once.
+void insert(const std::vector<PointCloud>& scans, LocalMap* map) {
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    Keyframe keyframe;
+    keyframe.utime = static_cast<std::int64_t>(i);
+    keyframe.points = scans[i];
+    map->insert(keyframe, i + 1 < scans.size() ? kVoxel : 0.99 * kVoxel);
+  }
 }
 
 int points_at(float x, const LocalMap& map) {
@@ -41,13 +45,12 @@ TEST_CASE("a map keeps what its keyframes see, whoever saw it first, and forgets
   LocalMapLimits limits;
   limits.max_keyframes = 3;
   LocalMap map(limits);
-  for (int i = 0; i < 10; ++i) {
-    PointCloud seen;
-    if (i < 9) add_row(0.1f, &seen);
-    add_row(10.1f + static_cast<float>(i), &seen);
-    // Another voxel size makes it forget at once.
-    map.insert(keyframe(i, seen), i < 9 ? kVoxel : 0.99 * kVoxel);
+  std::vector<PointCloud> scans(10);
+  for (std::size_t i = 0; i < 10; ++i) {
+    if (i < 9) add_row(0.1f, &scans[i]);
+    add_row(10.1f + static_cast<float>(i), &scans[i]);
   }
+  insert(scans, &map);
   CHECK(map.keyframes().size() == 3);
   CHECK(points_at(0.1f, map) == 40);
   for (int i = 0; i < 10; ++i) CHECK(points_at(10.1f + static_cast<float>(i), map) == (i < 7 ? 0 : 40));
@@ -57,11 +60,9 @@ TEST_CASE("the first point of a voxel stays, so that the map does not creep") {
   LocalMapLimits limits;
   limits.max_keyframes = 2;
   LocalMap map(limits);
-  for (int i = 0; i < 6; ++i) {
-    PointCloud seen;
-    add_row(0.1f + 0.05f * static_cast<float>(i), &seen);
-    map.insert(keyframe(i, seen), i < 5 ? kVoxel : 0.99 * kVoxel);
-  }
+  std::vector<PointCloud> scans(6);
+  for (std::size_t i = 0; i < 6; ++i) add_row(0.1f + 0.05f * static_cast<float>(i), &scans[i]);
+  insert(scans, &map);
   CHECK(points_at(0.1f, map) == 40);
   CHECK(map.size() == 40);
 }
