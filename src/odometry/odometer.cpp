@@ -81,24 +81,26 @@ void Odometer::set_planar(bool planar) {
   filter_.set_planar(planar);
 }
 
-void Odometer::reload(const std::vector<ArchivedKeyframe>& archived, const Eigen::Vector3d& centre,
-                      double voxel) {
-  std::vector<const ArchivedKeyframe*> nearest;
-  for (const ArchivedKeyframe& k : archived) nearest.push_back(&k);
-  const auto distance = [&](const ArchivedKeyframe* k) {
-    return (k->map_from_body.translation() - centre).norm();
-  };
+void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
+                      const std::vector<Eigen::Vector3d>& centres, double voxel) {
+  std::vector<std::pair<double, const ArchivedKeyframe*>> nearest;
+  for (const ArchivedKeyframe& k : archived) {
+    double distance = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3d& centre : centres)
+      distance = std::min(distance, (k.map_from_body.translation() - centre).norm());
+    nearest.emplace_back(distance, &k);
+  }
   std::stable_sort(nearest.begin(), nearest.end(),
-                   [&](const auto* a, const auto* b) { return distance(a) < distance(b); });
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   nearest.resize(std::min(nearest.size(), static_cast<std::size_t>(config_.max_keyframes)));
   map_.clear();
   first_.points = {};
   // The nearest last: the map forgets from the front.
   for (auto k = nearest.rbegin(); k != nearest.rend(); ++k) {
     Keyframe keyframe;
-    keyframe.utime = (*k)->utime;
-    keyframe.map_from_body = (*k)->map_from_body;
-    keyframe.points = *(*k)->points;
+    keyframe.utime = k->second->utime;
+    keyframe.map_from_body = k->second->map_from_body;
+    keyframe.points = *k->second->points;
     last_keyframe_pose_ = keyframe.map_from_body;
     map_.insert(std::move(keyframe), voxel);
   }

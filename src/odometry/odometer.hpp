@@ -54,8 +54,10 @@ class Odometer {
   /// Whether its sensor sees one plane only and moves in it. A start asks its scan.
   void set_planar(bool planar);
   bool planar() const { return map_.planar(); }
-  /// The map becomes what was archived around `centre` (map frame). What is usual stays.
-  void reload(const std::vector<ArchivedKeyframe>& archived, const Eigen::Vector3d& centre, double voxel);
+  /// The map becomes what was archived around the `centres` (map frame), equally far around each. What is
+  /// usual stays.
+  void reload(const std::vector<ArchivedKeyframe>& archived, const std::vector<Eigen::Vector3d>& centres,
+              double voxel);
 
   /// At rest there, the velocity unknown.
   void set_pose(const Pose& map_from_body) { filter_.start({map_from_body, Vector6::Zero()}); }

@@ -25,11 +25,11 @@ constexpr double kStrayMetres = 1.0, kStrayRadians = 0.15;                 // at
 constexpr double kStrayAcceleration = 4.0, kStrayTurnRate = 20 * kDegree;  // m/s^2, rad/s
 constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
 
-/// Whether the map at hand is one of that place.
-bool covers(const Odometer& odometer, const Pose& place, double scene) {
+/// Whether the map at hand is one of that place (map frame).
+bool covers(const Odometer& odometer, const Eigen::Vector3d& place, double scene) {
   const auto& keyframes = odometer.map().keyframes();
   return std::any_of(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) {
-    return (k.map_from_body.translation() - place.translation()).norm() < kCovered * scene;
+    return (k.map_from_body.translation() - place).norm() < kCovered * scene;
   });
 }
 
@@ -194,15 +194,24 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     ended_->reason.insert(0, planar ? "more searches have to agree: " : "a second search has to agree: ");
     return;
   }
-  const Pose place = renormalised(answer.map_from_predicted * excursion_->state().pose);
-  if (!covers(odometer, place, archive.scene(place.translation())))
-    odometer.reload(archive.keyframes(), place.translation(), voxel);
+  cover(places, archive, voxel, odometer);
   const bool twice = answer.contradiction <= kSoundContradiction && !planar &&
                      ((clear && agreeing >= kAgreeing) || is_expected(answer.map_from_predicted));
   const PlaceEvidence evidence = twice ? PlaceEvidence::kTwice : answer.evidence;
   Contest contest(places, evidence);
   for (const Pose& standing : answer.standing) contest.note_standing(standing, *excursion_);
   candidate_ = Candidate{std::move(contest), std::move(answer)};
+}
+
+/// Scans decide fairly between places only in a map that knows all of them.
+void Relocation::cover(const std::vector<Pose>& places, const KeyframeArchive& archive, double voxel,
+                       Odometer& odometer) const {
+  std::vector<Eigen::Vector3d> centres;
+  for (const Pose& place : places) centres.emplace_back((place * excursion_->state().pose).translation());
+  const bool covered = std::all_of(centres.begin(), centres.end(), [&](const Eigen::Vector3d& centre) {
+    return covers(odometer, centre, archive.scene(centre));
+  });
+  if (!covered) odometer.reload(archive.keyframes(), centres, voxel);
 }
 
 /// Earlier finds are rivals too, and what could not be decided before: a few matches more or less do not

@@ -82,6 +82,8 @@ class Relocation {
   Outcome confirm(const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
   void refuse(const std::string& why);
   void follow_excursion(Odometer& odometer) const;
+  void cover(const std::vector<Pose>& places, const KeyframeArchive& archive, double voxel,
+             Odometer& odometer) const;
   std::vector<Pose> rivals_of(const RecoveryAnswer& answer) const;
   bool agree(const Pose& a, const Pose& b, double metres, double radians) const;
   bool is_expected(const Pose& map_from_predicted) const;

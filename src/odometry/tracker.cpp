@@ -370,7 +370,7 @@ void Tracker::set_pose(const Pose& map_from_body) {
     s.state = TrackingState::kInitialising;
     return;
   }
-  s.odometer.reload(s.archive.keyframes(), map_from_body.translation(), s.scale.current(0));
+  s.odometer.reload(s.archive.keyframes(), {map_from_body.translation()}, s.scale.current(0));
   s.lose();
   s.relocation.propose_here();
 }
