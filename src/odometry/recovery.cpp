@@ -20,7 +20,23 @@ constexpr std::size_t kTargets = 6;  // remembered, of some megabytes each
 constexpr double kSoundOverlap = 0.85;
 // Of two searches with a planar sensor in strange buildings that were taken in, it was a third.
 constexpr double kLittleOverlap = 0.5;
+// Of the source's points, the share that has to have enough neighbours: of a sensor of few points a wider
+// look tells more.
+constexpr double kDescribed = 0.4, kWider = 1.35;
+constexpr int kWidenings = 2;
 constexpr std::size_t kMaxNodes = 20000;  // of a search: some tenths of a second
+
+CloudDescription describe_source(const PointCloud& cloud, double voxel) {
+  DescriptionOptions options;
+  options.voxel = voxel;
+  options.keypoints = static_cast<std::size_t>(kKeypoints);
+  for (int widened = 0;; ++widened, options.voxel *= kWider) {
+    CloudDescription description = describe(cloud, options);
+    const auto most = static_cast<double>(std::min(options.keypoints, description.points.size()));
+    if (widened == kWidenings || static_cast<double>(description.keypoints.size()) >= kDescribed * most)
+      return description;
+  }
+}
 
 }  // namespace
 
@@ -32,12 +48,12 @@ struct PlaceFinder::Target {
   std::vector<std::pair<std::int64_t, Pose>> places;
   CloudDescription description;
 
-  bool is_of(const RecoveryRequest& request) const {
+  bool is_of(const RecoveryRequest& request, double of_voxel) const {
     const auto same = [](const auto& place, const ArchivedKeyframe& k) {
       return place.first == k.utime && place.second.matrix() == k.map_from_body.matrix();
     };
     return centre == request.target_centre && source_radius == request.source_radius &&
-           radius == request.radius && voxel == request.voxel && up == request.up &&
+           radius == request.radius && voxel == of_voxel && up == request.up &&
            std::equal(places.begin(), places.end(), request.places.begin(), request.places.end(), same);
   }
 };
@@ -47,9 +63,10 @@ PlaceFinder::~PlaceFinder() = default;
 PlaceFinder::PlaceFinder(PlaceFinder&&) noexcept = default;
 PlaceFinder& PlaceFinder::operator=(PlaceFinder&&) noexcept = default;
 
-const PlaceFinder::Target& PlaceFinder::target(const RecoveryRequest& request, const Eigen::Matrix3d& level) {
-  const auto known =
-      std::find_if(targets_.begin(), targets_.end(), [&](const Target& t) { return t.is_of(request); });
+const PlaceFinder::Target& PlaceFinder::target(const RecoveryRequest& request, double voxel,
+                                               const Eigen::Matrix3d& level) {
+  const auto known = std::find_if(targets_.begin(), targets_.end(),
+                                  [&](const Target& t) { return t.is_of(request, voxel); });
   if (known != targets_.end()) {
     std::rotate(known, known + 1, targets_.end());
     return targets_.back();
@@ -59,15 +76,15 @@ const PlaceFinder::Target& PlaceFinder::target(const RecoveryRequest& request, c
   target.centre = request.target_centre;
   target.source_radius = request.source_radius;
   target.radius = request.radius;
-  target.voxel = request.voxel;
+  target.voxel = voxel;
   target.up = request.up;
   for (const ArchivedKeyframe& k : request.places) target.places.emplace_back(k.utime, k.map_from_body);
   DescriptionOptions options;
-  options.voxel = request.voxel;
+  options.voxel = voxel;
   const double wider = std::min(request.radius / std::max(request.source_radius, 1e-3), kMostWider);
   options.keypoints = static_cast<std::size_t>(kKeypoints * wider * wider);
   target.description = describe(
-      moved(submap_around(request.places, request.target_centre, request.radius, request.voxel), Pose(level)),
+      moved(submap_around(request.places, request.target_centre, request.radius, voxel), Pose(level)),
       options);
   targets_.push_back(std::move(target));
   return targets_.back();
@@ -76,14 +93,11 @@ const PlaceFinder::Target& PlaceFinder::target(const RecoveryRequest& request, c
 RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   CpuClock clock;
   const Eigen::Matrix3d level = level_rotation(request.up);
-  const CloudDescription& target_description = target(request, level).description;
-  DescriptionOptions options;
-  options.voxel = request.voxel;
   // Without a measured attitude the source is levelled by its own body: slopes turn the body, and where it
   // stands now is not where it was lost.
   const Eigen::Matrix3d stand = level_rotation(request.source_up.value_or(request.body_up));
-  options.keypoints = static_cast<std::size_t>(kKeypoints);
-  const CloudDescription source = describe(moved(request.source, Pose(stand)), options);
+  const CloudDescription source = describe_source(moved(request.source, Pose(stand)), request.voxel);
+  const CloudDescription& target_description = target(request, source.voxel, level).description;
 
   CloudRegistrationOptions registration;
   registration.tilt = request.tilt;

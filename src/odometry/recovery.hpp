@@ -25,9 +25,9 @@ struct RecoveryRequest {
   std::vector<ArchivedKeyframe> places;
   Eigen::Vector3d target_centre = Eigen::Vector3d::Zero();  ///< map frame
   double radius = 0;                                        ///< metres about the target centre
-  double voxel = 0;                                         ///< metres, of both
-  double tilt = 0;                                          ///< radians: how well attitudes are known
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();            ///< in the map frame
+  double voxel = 0;                               ///< metres, of both; where the source is sparse, wider
+  double tilt = 0;                                ///< radians: how well attitudes are known
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< in the map frame
   /// The z axis of the body, axes of the predicted map frame.
   Eigen::Vector3d body_up = Eigen::Vector3d::UnitZ();
   /// What it may be at its place, axes of the map, unit; empty where up is measured.
@@ -86,7 +86,7 @@ class PlaceFinder {
 
  private:
   struct Target;
-  const Target& target(const RecoveryRequest& request, const Eigen::Matrix3d& level);
+  const Target& target(const RecoveryRequest& request, double voxel, const Eigen::Matrix3d& level);
   std::vector<Target> targets_;  ///< the one that was asked for last comes last
 };
 
