@@ -14,6 +14,7 @@ namespace {
 // alike have 0.85 to 0.93. Where the search leaves little doubt, more of what is seen may be new ground.
 constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kSoundShare = 0.75, kClearShare = 0.65,
                  kTwiceShare = 0.25, kStandingShare = 0.3;
+constexpr double kUnknownShare = 0.5;  // the usual one, before a second scan
 constexpr double kSamePlace = 0.5, kSameHeading = 3.0 * kDegree;
 constexpr int kWins = 3;  // scans in a row
 constexpr int kMissesAllowed = 1;
@@ -83,7 +84,7 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
   place.attempt = odometer.align(scan, prior, Reach::kNear);
   const Pose& found = place.attempt.alignment.moving.pose;
   const Health& health = place.attempt.health;
-  const double usual = health.usual_share > 0 ? health.usual_share : excursion.usual_share();
+  const double usual = health.usual_share > 0 ? health.usual_share : kUnknownShare;
   place.could_win = health.share >= place.winners_share * usual;
   place.fits = explains(place.attempt, place.most_score) && health.share >= place.least_share * usual &&
                near(found, prior.mean.pose, 3.0 * metres, 3.0 * radians);
@@ -98,6 +99,7 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
 Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion) {
   const Pose led_by = places_.front().map_from_predicted;
   const bool led = wins_ > 0;
+  odometer.take_usual_from(excursion.odometer());
   for (Place& place : places_) try_place(odometer, scan, excursion, place);
   std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
     return a.fits != b.fits ? a.fits : a.attempt.cost() < b.attempt.cost();

@@ -34,7 +34,6 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
   }
   const MovingPose before = odometer_.state();
   blind_s_ = 0;
-  share_ = attempt.health.share;
   odometer_.accept(attempt);
   const MovingPose& now = odometer_.state();
   const Vector6 way = se3_log(before.pose.inverse() * now.pose) / dt;

@@ -29,8 +29,7 @@ class Excursion {
 
   const MovingPose& state() const { return odometer_.state(); }
   const Matrix12& covariance() const { return odometer_.covariance(); }
-  /// Of a scan's points, those that its own map explains: what a good map of the same place would.
-  double usual_share() const { return share_; }
+  const Odometer& odometer() const { return odometer_; }
   bool planar() const { return odometer_.planar(); }
   /// Scans since it began.
   int scans() const { return scans_; }
@@ -46,7 +45,6 @@ class Excursion {
   TrackerConfig config_;
   Odometer odometer_;
   int scans_ = 1;
-  double share_ = 0.5;              ///< of the last scan that was followed
   Vector6 bend_ = Vector6::Zero();  ///< velocity, less what the way from scan to scan says; a mean
   Eigen::Vector3d up_sum_ = Eigen::Vector3d::Zero();
   double blind_s_ = 0;  ///< since the last scan that was followed

@@ -38,6 +38,7 @@ class HealthMonitor {
   /// Adds the energy of an alignment that was trusted.
   void remember(const Health& health);
   void forget() { count_ = 0; }
+  bool has_history() const { return count_ > 0; }
 
  private:
   static constexpr std::size_t kHistory = 50, kFew = 3, kYoung = 5;  // scans

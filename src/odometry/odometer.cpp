@@ -106,6 +106,13 @@ void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
   }
 }
 
+void Odometer::take_usual_from(const Odometer& other) {
+  if (health_.has_history()) return;
+  health_ = other.health_;
+  sigma_ = other.sigma_;
+  share_ = other.share_;
+}
+
 ScanAlignmentOptions Odometer::options(double reach_m, Reach reach) const {
   const bool far = reach == Reach::kFar;
   ScanAlignmentOptions result;

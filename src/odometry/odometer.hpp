@@ -59,6 +59,10 @@ class Odometer {
   void reload(const std::vector<ArchivedKeyframe>& archived, const std::vector<Eigen::Vector3d>& centres,
               double voxel);
 
+  /// What alignments cost where nothing was aligned yet, a map that was loaded: as they cost another odometer
+  /// of the same sensor. Without effect once it knows for itself.
+  void take_usual_from(const Odometer& other);
+
   /// At rest there, the velocity unknown.
   void set_pose(const Pose& map_from_body) { filter_.start({map_from_body, Vector6::Zero()}); }
 
