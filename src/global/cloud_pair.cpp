@@ -8,6 +8,7 @@
 #include "geometry/rigid_fit.hpp"
 #include "global/attitude_search.hpp"
 #include "global/cpu_clock.hpp"
+#include "global/stand_poses.hpp"
 #include "global/surface_poses.hpp"
 
 namespace scanlock {
@@ -98,7 +99,8 @@ std::vector<Pose> CloudPair::likely_poses(const std::vector<Eigen::Vector3d>& up
   CpuClock clock;
   index_clouds();
   std::vector<Pose> poses =
-      surface_poses(all_matches(), *source_check_, *target_check_, ups, centre_, epsilon_, count);
+      surface_poses(all_matches(), stand_poses(source_.points, target_.points, source_.voxel, ups),
+                    *source_check_, *target_check_, ups, centre_, epsilon_, count);
   matching_ms_ += clock.lap();
   return poses;
 }

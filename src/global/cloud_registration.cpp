@@ -29,8 +29,19 @@ constexpr std::size_t kFewAttitudes = 4;  // more take too long with every match
 constexpr double kPeeled = 2;             // epsilons
 constexpr double kOutOfQuestion = 0.4;    // of the score: so much behind the best proposal
 constexpr double kFarAhead = 1.6;         // consensus over what the runner-up may have
+constexpr int kManyLambda = 10;           // the paper's: of sparse clouds hardly any matches are right
 constexpr double kImpossible = 0.03;      // contradiction: right poses hardly ever have more than 0.01
 constexpr std::size_t kManyKeypoints = 300;
+
+std::string no_pose_has_enough(std::size_t matches) {
+  return "no pose has " + std::to_string(kFewestMatches) + " of " + std::to_string(matches) + " matches";
+}
+
+std::vector<Eigen::Vector3d> mean_of(const std::vector<Eigen::Vector3d>& directions) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& direction : directions) sum += direction;
+  return {sum.normalized()};
+}
 
 bool is_good(const Hypothesis& hypothesis) {
   return hypothesis.fit.contradiction <= kClearContradiction && hypothesis.fit.overlap >= kSomeOverlap;
@@ -177,7 +188,7 @@ void Registrar::judge() {
   const MatchRegistration& s = result_.solution;
   result_.verdict = GlobalVerdict::kNoOverlap;
   if (hypotheses_.empty()) {
-    result_.why = "no pose has " + std::to_string(kFewestMatches) + " matches: " + numbers();
+    result_.why = no_pose_has_enough(s.matches);
     return;
   }
   const auto best =
@@ -221,25 +232,32 @@ void Registrar::judge() {
 
 /// The poses that matches and clouds propose and the clouds do not rule out, the likeliest first.
 CloudRegistration Registrar::propose() {
-  const Matches matches = match(source_, target_, options_.lambda);
+  Matches matches = match(source_, target_, options_.lambda);
   result_.solution = search(matches, true);
   account(result_.solution);
   result_.attempts = 1;
-  result_.why = numbers();
+  if (result_.solution.consensus < kFewestMatches) {
+    matches = match(source_, target_, kManyLambda);
+    result_.solution = search(matches, true);
+    account(result_.solution);
+    result_.attempts = 2;
+  }
   for (const Pose& pose : options_.proposals) {
     const Hypothesis proposal = clouds_.examine(pose, 0, false);
     if (proposal.fit.contradiction <= kImpossible && proposal.fit.overlap >= kSomeOverlap)
       result_.standing.push_back(proposal.refined);
   }
   const MatchRegistration& s = result_.solution;
-  if (s.consensus < kFewestMatches) return result_;
+  if (s.consensus < kFewestMatches) {
+    result_.why = no_pose_has_enough(matches.size());
+    return result_;
+  }
   add_hypothesis(s.target_from_source, s.consensus);
   if (s.runner_up_consensus >= kFewestMatches) add_hypothesis(s.runner_up, s.runner_up_consensus);
   const Pose largest = hypotheses_.front().refined;
   const bool few = options_.target_ups.size() <= kFewAttitudes;
-  if (few) {
-    for (const Pose& pose : clouds_.likely_poses(options_.target_ups, kProposals)) add_hypothesis(pose, 0);
-  }
+  const std::vector<Eigen::Vector3d> ups = few ? options_.target_ups : mean_of(options_.target_ups);
+  for (const Pose& pose : clouds_.likely_poses(ups, kProposals)) add_hypothesis(pose, 0);
   const bool clear = s.consensus >= kFarAhead * s.runner_up_bound && is_good(hypotheses_.front()) &&
                      std::none_of(hypotheses_.begin() + 1, hypotheses_.end(), is_good);
   if (!few && !clear) look_for_more(matches);

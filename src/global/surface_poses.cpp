@@ -28,9 +28,10 @@ void best_first(std::vector<Candidate>* candidates) {
 
 }  // namespace
 
-std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const CloudCheck& source,
-                                const CloudCheck& target, const std::vector<Eigen::Vector3d>& ups,
-                                const Eigen::Vector3d& centre, double epsilon, std::size_t count) {
+std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const std::vector<Pose>& guesses,
+                                const CloudCheck& source, const CloudCheck& target,
+                                const std::vector<Eigen::Vector3d>& ups, const Eigen::Vector3d& centre,
+                                double epsilon, std::size_t count) {
   std::vector<Candidate> candidates;
   const std::vector<Eigen::Vector3d> only_z = {Eigen::Vector3d::UnitZ()};
   for (const Eigen::Vector3d& up : ups.empty() ? only_z : ups) {
@@ -45,6 +46,7 @@ std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const 
       candidates.push_back({score(glance(source, target, pose, kGlance)), pose});
     }
   }
+  for (const Pose& pose : guesses) candidates.push_back({score(glance(source, target, pose, kGlance)), pose});
   best_first(&candidates);
   candidates.resize(std::min(candidates.size(), kLooked));
   for (Candidate& c : candidates) c.score = score(glance(source, target, c.pose, kLook));

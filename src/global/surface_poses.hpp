@@ -16,10 +16,11 @@ namespace scanlock {
 /// corridors the right matches are too few to stand out. Every match of two steep surfaces that look the same
 /// way is a pose (heading by the normals, position by the points); a glance at a part of the clouds tells
 /// what each is worth. The `count` best, the best first, none like another (see separation()); poses at a
-/// glance, to be refined. `ups`: directions of the target's frame that may be the source's z axis; empty: z.
-/// `centre`, of the source, and `epsilon`: metres.
-std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const CloudCheck& source,
-                                const CloudCheck& target, const std::vector<Eigen::Vector3d>& ups,
-                                const Eigen::Vector3d& centre, double epsilon, std::size_t count);
+/// glance, to be refined. `guesses`: poses to be looked at as well. `ups`: directions of the target's frame
+/// that may be the source's z axis; empty: z. `centre`, of the source, and `epsilon`: metres.
+std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const std::vector<Pose>& guesses,
+                                const CloudCheck& source, const CloudCheck& target,
+                                const std::vector<Eigen::Vector3d>& ups, const Eigen::Vector3d& centre,
+                                double epsilon, std::size_t count);
 
 }  // namespace scanlock

@@ -133,7 +133,7 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   answer.upper_bound = found.solution.upper_bound;
   answer.runner_up_consensus = found.solution.runner_up_consensus;
   answer.reason = found.why;
-  if (!answer.certified) answer.reason += ", not proven to be the most";
+  if (!answer.certified && answer.consensus > 0) answer.reason += ", not proven to be the most";
   answer.nodes = static_cast<std::int64_t>(found.solution.nodes);
   answer.search_ms = found.solution.pruning_ms + found.solution.search_ms;
   answer.total_ms = clock.lap();

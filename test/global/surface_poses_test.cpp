@@ -22,9 +22,9 @@ DescriptionOptions half_metre() {
 
 std::vector<Pose> poses(const CloudDescription& source, const CloudDescription& target,
                         const std::vector<SurfaceMatch>& matches, const std::vector<Eigen::Vector3d>& ups,
-                        std::size_t count) {
+                        std::size_t count, const std::vector<Pose>& guesses = {}) {
   const CloudCheck s(source.points, source.voxel), t(target.points, target.voxel);
-  return surface_poses(matches, s, t, ups, Eigen::Vector3d::Zero(), kEpsilon, count);
+  return surface_poses(matches, guesses, s, t, ups, Eigen::Vector3d::Zero(), kEpsilon, count);
 }
 
 bool is_about(const Pose& pose, const Pose& truth) {
@@ -55,6 +55,17 @@ TEST_CASE("a single right match among thousands is enough") {
   const std::vector<Pose> with = poses(source, target, matches, {}, 8);
   REQUIRE(!with.empty());
   CHECK(is_about(with.front(), truth));
+}
+
+TEST_CASE("where nothing matches, a guess that the clouds like is taken") {
+  const Pose truth = level_pose(2, 3, -4, 0.5);
+  const CloudDescription target = describe(yard(1, 2), half_metre());
+  const CloudDescription source = describe(moved(yard(1, 3), truth.inverse()), half_metre());
+  const std::vector<Pose> found =
+      poses(source, target, {}, {}, 8,
+            {level_pose(0, 3, -4, 0.5), level_pose(2.05, 3.3, -4.2, 0.5), level_pose(2, 9, 2, 0)});
+  REQUIRE(!found.empty());
+  CHECK(is_about(found.front(), truth));
 }
 
 TEST_CASE("on a slope the pose has the attitude that was asked for") {
