@@ -256,11 +256,16 @@ CloudRegistration Registrar::propose() {
   if (s.runner_up_consensus >= kFewestMatches) add_hypothesis(s.runner_up, s.runner_up_consensus);
   const Pose largest = hypotheses_.front().refined;
   const bool few = options_.target_ups.size() <= kFewAttitudes;
-  const std::vector<Eigen::Vector3d> ups = few ? options_.target_ups : mean_of(options_.target_ups);
-  for (const Pose& pose : clouds_.likely_poses(ups, kProposals)) add_hypothesis(pose, 0);
+  const auto add_likely = [&](const std::vector<Eigen::Vector3d>& ups) {
+    for (const Pose& pose : clouds_.likely_poses(ups, kProposals)) add_hypothesis(pose, 0);
+  };
+  if (few) add_likely(options_.target_ups);
   const bool clear = s.consensus >= kFarAhead * s.runner_up_bound && is_good(hypotheses_.front()) &&
                      std::none_of(hypotheses_.begin() + 1, hypotheses_.end(), is_good);
-  if (!few && !clear) look_for_more(matches);
+  if (!few && !clear) {
+    add_likely(mean_of(options_.target_ups));
+    look_for_more(matches);
+  }
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
                    [](const auto& a, const auto& b) { return score(a.fit) > score(b.fit); });
   const Hypothesis& best = hypotheses_.front();
