@@ -41,6 +41,7 @@ MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOpti
                                    const Eigen::Vector3d& centre) {
   if (target_ups.empty() || matches.empty()) return register_matches(matches, search);
   MatchRegistration best;
+  best.matches = matches.size();
   for (const Eigen::Vector3d& up : target_ups) {
     const Eigen::Matrix3d level = level_rotation(up);
     // What loses is of interest only as a runner-up.

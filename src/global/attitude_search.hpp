@@ -12,6 +12,11 @@ namespace scanlock {
 inline constexpr int kFewestMatches = 8;     // consensus below which nothing is believed
 inline constexpr double kClearMargin = 1.3;  // of the consensus over its runner-up
 
+/// Directions of the target's frame that may be the source's z axis: where none are given, the z axis.
+inline std::vector<Eigen::Vector3d> ups_or_z(const std::vector<Eigen::Vector3d>& ups) {
+  return ups.empty() ? std::vector<Eigen::Vector3d>{Eigen::Vector3d::UnitZ()} : ups;
+}
+
 /// register_matches() for each direction of the target's frame that may be the source's z axis, as one
 /// search: the largest consensus of all, with bounds that hold for all. Without directions: the z axis, and
 /// any consensus; else those below kFewestMatches, and those far below one that is known, are not searched

@@ -34,7 +34,7 @@ CloudCheck::CloudCheck(const PointCloud& cloud, double voxel)
   std::vector<std::uint32_t> steep, all;
   for (std::uint32_t i = 0; i < cloud.size(); ++i) {
     all.push_back(i);
-    if (std::abs(cloud.nz[i]) < kLevel && cloud.normal(i).squaredNorm() > 0.5f) steep.push_back(i);
+    if (is_steep(cloud, i)) steep.push_back(i);
   }
   samples_ = every_nth(steep.size() >= kFewSteep ? steep : all, kSamples);
   for (std::uint32_t i : samples_) moved_.push_back(space_.is_crossed(cloud.point(i), cloud.normal(i)));

@@ -33,8 +33,11 @@ constexpr int kManyLambda = 10;           // the paper's: of sparse clouds hardl
 constexpr double kImpossible = 0.03;      // contradiction: right poses hardly ever have more than 0.01
 constexpr std::size_t kManyKeypoints = 300;
 
-std::string no_pose_has_enough(std::size_t matches) {
-  return "no pose has " + std::to_string(kFewestMatches) + " of " + std::to_string(matches) + " matches";
+std::string no_pose_has_enough(const MatchRegistration& search) {
+  const std::string enough =
+      std::to_string(kFewestMatches) + " of " + std::to_string(search.matches) + " matches";
+  if (search.upper_bound < kFewestMatches) return "no pose has " + enough;
+  return "no pose with " + enough + " was found, not proven that there is none";
 }
 
 std::vector<Eigen::Vector3d> mean_of(const std::vector<Eigen::Vector3d>& directions) {
@@ -188,7 +191,7 @@ void Registrar::judge() {
   const MatchRegistration& s = result_.solution;
   result_.verdict = GlobalVerdict::kNoOverlap;
   if (hypotheses_.empty()) {
-    result_.why = no_pose_has_enough(s.matches);
+    result_.why = no_pose_has_enough(s);
     return;
   }
   const auto best =
@@ -249,7 +252,7 @@ CloudRegistration Registrar::propose() {
   }
   const MatchRegistration& s = result_.solution;
   if (s.consensus < kFewestMatches) {
-    result_.why = no_pose_has_enough(matches.size());
+    result_.why = no_pose_has_enough(s);
     return result_;
   }
   add_hypothesis(s.target_from_source, s.consensus);

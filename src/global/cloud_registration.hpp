@@ -33,7 +33,8 @@ struct CloudRegistrationOptions {
   std::vector<Eigen::Vector3d> target_ups;
   /// The clouds decide between the poses that the matches propose. False: that is left to the caller and his
   /// own means; the clouds only put them in order, the likeliest first, and rule out the impossible ones.
-  /// They make the verdict certain only where the largest consensus is clear, and not contradicted.
+  /// They make the verdict certain only where the largest consensus is clear, and not contradicted. Where no
+  /// pose has enough matches, as of sparse clouds, many more are drawn.
   bool judged = true;
   /// Poses to be looked at as well, where not judged: see CloudRegistration::standing.
   std::vector<Pose> proposals;

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <utility>
 
 #include "geometry/angles.hpp"
+#include "global/attitude_search.hpp"
 #include "global/cloud_normals.hpp"
 
 namespace scanlock {
@@ -27,9 +27,8 @@ using Headings = std::array<double, kHeadings>;
 Headings headings(const PointCloud& cloud) {
   Headings result{};
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3f n = cloud.normal(i);
-    if (n.squaredNorm() < 0.5f || std::abs(n.z()) >= kLevel) continue;
-    const double turn = std::atan2(n.y(), n.x()) / (2 * kPi) + 0.5;
+    if (!is_steep(cloud, i)) continue;
+    const double turn = std::atan2(cloud.ny[i], cloud.nx[i]) / (2 * kPi) + 0.5;
     result[static_cast<std::size_t>(turn * kHeadings) % kHeadings] += 1;
   }
   return result;
@@ -82,8 +81,7 @@ std::vector<Pose> stand_poses(const PointCloud& source, const PointCloud& target
   while (places.size() > kMostStands) places = stands(target, step *= kWiderStep);
   std::vector<Pose> poses;
   const std::vector<double> turns = likely_turns(headings(source), headings(target));
-  const std::vector<Eigen::Vector3d> only_z = {Eigen::Vector3d::UnitZ()};
-  for (const Eigen::Vector3d& up : ups.empty() ? only_z : ups) {
+  for (const Eigen::Vector3d& up : ups_or_z(ups)) {
     const Eigen::Matrix3d level = level_rotation(up);
     for (double turn : turns) {
       Pose pose = Pose::Identity();

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/rigid_fit.hpp"
+#include "global/attitude_search.hpp"
 #include "global/hypothesis.hpp"
 
 namespace scanlock {
@@ -33,8 +34,7 @@ std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const 
                                 const std::vector<Eigen::Vector3d>& ups, const Eigen::Vector3d& centre,
                                 double epsilon, std::size_t count) {
   std::vector<Candidate> candidates;
-  const std::vector<Eigen::Vector3d> only_z = {Eigen::Vector3d::UnitZ()};
-  for (const Eigen::Vector3d& up : ups.empty() ? only_z : ups) {
+  for (const Eigen::Vector3d& up : ups_or_z(ups)) {
     const Eigen::Matrix3d level = level_rotation(up);
     for (const SurfaceMatch& m : matches) {
       const Eigen::Vector2d s = m.normal_p.head<2>(), t = (level * m.normal_q).head<2>();

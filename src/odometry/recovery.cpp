@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/moved_cloud.hpp"
+#include "global/attitude_search.hpp"
 #include "global/cloud_registration.hpp"
 #include "global/cpu_clock.hpp"
 
@@ -43,17 +44,17 @@ CloudDescription describe_source(const PointCloud& cloud, double voxel) {
 /// A part of the map made ready to be searched, and all that it depends on.
 struct PlaceFinder::Target {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double source_radius = 0, radius = 0, voxel = 0;
+  double source_radius = 0, radius = 0;
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   std::vector<std::pair<std::int64_t, Pose>> places;
   CloudDescription description;
 
-  bool is_of(const RecoveryRequest& request, double of_voxel) const {
+  bool is_of(const RecoveryRequest& request, double voxel) const {
     const auto same = [](const auto& place, const ArchivedKeyframe& k) {
       return place.first == k.utime && place.second.matrix() == k.map_from_body.matrix();
     };
     return centre == request.target_centre && source_radius == request.source_radius &&
-           radius == request.radius && voxel == of_voxel && up == request.up &&
+           radius == request.radius && description.voxel == voxel && up == request.up &&
            std::equal(places.begin(), places.end(), request.places.begin(), request.places.end(), same);
   }
 };
@@ -76,7 +77,6 @@ const PlaceFinder::Target& PlaceFinder::target(const RecoveryRequest& request, d
   target.centre = request.target_centre;
   target.source_radius = request.source_radius;
   target.radius = request.radius;
-  target.voxel = voxel;
   target.up = request.up;
   for (const ArchivedKeyframe& k : request.places) target.places.emplace_back(k.utime, k.map_from_body);
   DescriptionOptions options;
@@ -133,7 +133,7 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   answer.upper_bound = found.solution.upper_bound;
   answer.runner_up_consensus = found.solution.runner_up_consensus;
   answer.reason = found.why;
-  if (!answer.certified && answer.consensus > 0) answer.reason += ", not proven to be the most";
+  if (!answer.certified && answer.consensus >= kFewestMatches) answer.reason += ", not proven to be the most";
   answer.nodes = static_cast<std::int64_t>(found.solution.nodes);
   answer.search_ms = found.solution.pruning_ms + found.solution.search_ms;
   answer.total_ms = clock.lap();

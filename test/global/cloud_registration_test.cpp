@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <stdexcept>
+#include <string>
 
 #include "scenes.hpp"
 
@@ -173,6 +174,25 @@ TEST_CASE("all places that look alike are proposed") {
     CHECK(std::count_if(proposed.begin(), proposed.end(),
                         [&](const Pose& pose) { return near(pose, place, 0.3, 0.02); }) == 1);
   }
+}
+
+TEST_CASE(
+    "that no pose has enough matches is said of all that were drawn, and only claimed where it is proven") {
+  DescriptionOptions description;
+  description.voxel = 0.5;
+  description.keypoints = 60;
+  const CloudDescription a = describe(yard(1, 2), description), b = describe(yard(5, 3), description);
+  CloudRegistrationOptions options;
+  options.judged = false;
+  options.target_ups = {Eigen::Vector3d::UnitZ(), Eigen::Vector3d(0.1, 0, 1).normalized()};
+  const CloudRegistration proven = register_clouds(a, b, options);
+  REQUIRE(proven.solution.consensus == 0);
+  CHECK(proven.solution.matches > 50);
+  CHECK(proven.why == "no pose has 8 of " + std::to_string(proven.solution.matches) + " matches");
+  options.max_nodes = 1;
+  const CloudRegistration ended = register_clouds(a, b, options);
+  REQUIRE(ended.solution.consensus == 0);
+  CHECK(ended.why.find("not proven") != std::string::npos);
 }
 
 TEST_CASE("nothing to register") {
