@@ -19,13 +19,14 @@ namespace {
 constexpr double kEpsilonOfVoxel = 0.75;
 constexpr double kStrongOverlap = 0.55, kStrongLeastOverlap = 0.45;
 constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
-constexpr double kSomeOverlap = 0.3;
+constexpr double kSomeOverlap = 0.3, kTraces = 0.1;
 constexpr double kNoRival = 2;  // consensus over what the runner-up may have
 constexpr int kPreciseMatches = 24;
 // Who draws long enough finds what looks right: later match sets have to pass both tests.
 constexpr int kPlainAttempts = 2;
 constexpr int kPeels = 4, kProposals = 8;
-constexpr std::size_t kFewAttitudes = 4;  // more take too long with every match
+constexpr std::size_t kFewAttitudes = 4;  // more take long
+constexpr double kSpread = 0.08;          // radians between attitudes that make a difference to a glance
 constexpr double kPeeled = 2;             // epsilons
 constexpr double kOutOfQuestion = 0.4;    // of the score: so much behind the best proposal
 constexpr double kFarAhead = 1.6;         // consensus over what the runner-up may have
@@ -40,10 +41,14 @@ std::string no_pose_has_enough(const MatchRegistration& search) {
   return "no pose with " + enough + " was found, not proven that there is none";
 }
 
-std::vector<Eigen::Vector3d> mean_of(const std::vector<Eigen::Vector3d>& directions) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& direction : directions) sum += direction;
-  return {sum.normalized()};
+/// Every direction is near one of these.
+std::vector<Eigen::Vector3d> spread_out(const std::vector<Eigen::Vector3d>& directions) {
+  std::vector<Eigen::Vector3d> result;
+  for (const Eigen::Vector3d& direction : directions) {
+    const auto near = [&](const Eigen::Vector3d& other) { return (direction - other).norm() < kSpread; };
+    if (std::none_of(result.begin(), result.end(), near)) result.push_back(direction);
+  }
+  return result;
 }
 
 bool is_good(const Hypothesis& hypothesis) {
@@ -266,7 +271,7 @@ CloudRegistration Registrar::propose() {
   const bool clear = s.consensus >= kFarAhead * s.runner_up_bound && is_good(hypotheses_.front()) &&
                      std::none_of(hypotheses_.begin() + 1, hypotheses_.end(), is_good);
   if (!few && !clear) {
-    add_likely(mean_of(options_.target_ups));
+    add_likely(spread_out(options_.target_ups));
     look_for_more(matches);
   }
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
@@ -280,6 +285,10 @@ CloudRegistration Registrar::propose() {
   result_.why = numbers();
   if (best.fit.contradiction > kImpossible) {
     result_.why = "the clouds contradict every pose: " + result_.why;
+    return result_;
+  }
+  if (best.fit.overlap < kTraces) {
+    result_.why = "the clouds hardly overlap: " + result_.why;
     return result_;
   }
   const bool is_largest = clouds_.separation(best.refined, largest) < 1;
