@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "geometry/angles.hpp"
@@ -23,14 +24,16 @@ constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival
 // that are matched with the map: more makes it another place.
 constexpr double kStrayMetres = 1.0, kStrayRadians = 0.15;                 // at once, and by
 constexpr double kStrayAcceleration = 4.0, kStrayTurnRate = 20 * kDegree;  // m/s^2, rad/s
-constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
+// The map at hand is one of a place that has a keyframe so near, or nearly as near as any of the archive.
+constexpr double kCovered = 0.3;  // of the scene's size
+constexpr double kAsNear = 1.2;   // times the archive's distance
 
-/// Whether the map at hand is one of that place (map frame).
-bool covers(const Odometer& odometer, const Eigen::Vector3d& place, double scene) {
-  const auto& keyframes = odometer.map().keyframes();
-  return std::any_of(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) {
-    return (k.map_from_body.translation() - place).norm() < kCovered * scene;
-  });
+/// Metres from a place (map frame) to the nearest of the keyframes.
+template <typename Keyframes>
+double distance_to(const Keyframes& keyframes, const Eigen::Vector3d& place) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& k : keyframes) least = std::min(least, (k.map_from_body.translation() - place).norm());
+  return least;
 }
 
 }  // namespace
@@ -209,7 +212,8 @@ void Relocation::cover(const std::vector<Pose>& places, const KeyframeArchive& a
   std::vector<Eigen::Vector3d> centres;
   for (const Pose& place : places) centres.emplace_back((place * excursion_->state().pose).translation());
   const bool covered = std::all_of(centres.begin(), centres.end(), [&](const Eigen::Vector3d& centre) {
-    return covers(odometer, centre, archive.scene(centre));
+    return distance_to(odometer.map().keyframes(), centre) <
+           std::max(kCovered * archive.scene(centre), kAsNear * distance_to(archive.keyframes(), centre));
   });
   if (!covered) odometer.reload(archive.keyframes(), centres, voxel);
 }

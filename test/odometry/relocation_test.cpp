@@ -8,39 +8,36 @@
 
 using namespace scanlock;
 
-TEST_CASE("a place is not believed before its twin, which the map at hand does not show") {
-  TrackerConfig config;
-  config.max_keyframes = 4;
-  PreparedHall hall(config);
-  const PointCloud map = hall_map();
-  const Pose twin(Eigen::Translation3d(40, 0, 0)), lost(Eigen::Translation3d(20, 60, 0));
-  KeyframeArchive archive(10000000);
-  std::vector<ArchivedKeyframe> places;
-  for (float x : {-1.0f, -0.5f, 0.0f, 0.5f}) {
-    PointCloud seen = map;
-    for (float& px : seen.x) px -= x;
-    const Pose from(Eigen::Translation3d(x, 0, 0));
-    for (const Pose& at : {Pose::Identity(), twin}) places.push_back(archived(at * from, seen));
+namespace {
+
+/// A robot at rest that was set far away, and what a search tells it: that it is at home, or at a rival.
+struct Displaced {
+  explicit Displaced(const TrackerConfig& config)
+      : hall(config), first(hall.scan(0)), odometer(config), relocation(config) {
+    odometer.start(0, first, {});
   }
-  archive.restore(places);
 
-  const PreparedScan first = hall.scan(0);
-  Odometer odometer(config);
-  odometer.start(0, first, {});
-  odometer.reload(archive.keyframes(), {Eigen::Vector3d::Zero()}, first.voxel);
-  odometer.set_pose(lost);
-  Relocation relocation(config);
-  relocation.distrust(0, 0, first, odometer, 1);
-  relocation.begin(odometer, std::nullopt, archive);
+  void remember(const std::vector<Pose>& halls) {
+    const PointCloud map = hall_map();
+    std::vector<ArchivedKeyframe> places;
+    for (float x : {-1.0f, -0.5f, 0.0f, 0.5f}) {
+      PointCloud seen = map;
+      for (float& px : seen.x) px -= x;
+      for (const Pose& at : halls) places.push_back(archived(at * Pose(Eigen::Translation3d(x, 0, 0)), seen));
+    }
+    archive.restore(places);
+  }
 
-  Attempt attempt;
-  auto outcome = Relocation::Outcome::kLost;
-  bool proposed = false;
-  for (unsigned i = 1; i < 40 && outcome == Relocation::Outcome::kLost; ++i) {
-    outcome = relocation.follow(100000 * i, 0.1, hall.scan(i), odometer, &attempt);
+  void lose() {
+    odometer.set_pose(lost);
+    relocation.distrust(0, 0, first, odometer, 1);
+    relocation.begin(odometer, std::nullopt, archive);
+  }
+
+  /// False: it was not asked.
+  bool propose(unsigned i, const Pose& rival) {
     const auto request = relocation.take_request(100000 * i, archive, std::nullopt);
-    if (!request || proposed) continue;
-    proposed = true;
+    if (!request) return false;
     RecoveryAnswer answer;
     answer.serial = request->serial;
     answer.utime = request->utime;
@@ -48,10 +45,50 @@ TEST_CASE("a place is not believed before its twin, which the map at hand does n
     answer.evidence = PlaceEvidence::kClear;
     answer.certified = true;
     answer.map_from_predicted = lost.inverse();
-    answer.rivals = {twin * lost.inverse()};
+    answer.rivals = {rival * lost.inverse()};
     relocation.give(answer, archive, first.voxel, odometer);
+    return true;
   }
-  CHECK(proposed);
-  CHECK(outcome == Relocation::Outcome::kLost);
-  CHECK(relocation.state() == TrackingState::kAmbiguous);
+
+  /// Until a place is believed, or for four seconds.
+  Relocation::Outcome follow(const Pose& rival) {
+    auto outcome = Relocation::Outcome::kLost;
+    bool proposed = false;
+    Attempt attempt;
+    for (unsigned i = 1; i < 40 && outcome == Relocation::Outcome::kLost; ++i) {
+      outcome = relocation.follow(100000 * i, 0.1, hall.scan(i), odometer, &attempt);
+      if (!proposed) proposed = propose(i, rival);
+    }
+    REQUIRE(proposed);
+    return outcome;
+  }
+
+  PreparedHall hall;
+  PreparedScan first;
+  Odometer odometer;
+  Relocation relocation;
+  KeyframeArchive archive{10000000};
+  Pose lost{Eigen::Translation3d(20, 60, 0)};
+};
+
+}  // namespace
+
+TEST_CASE("a place is not believed before its twin, which the map at hand does not show") {
+  TrackerConfig config;
+  config.max_keyframes = 4;
+  const Pose twin(Eigen::Translation3d(40, 0, 0));
+  Displaced robot(config);
+  robot.remember({Pose::Identity(), twin});
+  robot.odometer.reload(robot.archive.keyframes(), {Eigen::Vector3d::Zero()}, robot.first.voxel);
+  robot.lose();
+  CHECK(robot.follow(twin) == Relocation::Outcome::kLost);
+  CHECK(robot.relocation.state() == TrackingState::kAmbiguous);
+}
+
+TEST_CASE("a rival that the archive does not show better does not take the map away") {
+  Displaced robot(TrackerConfig{});
+  robot.remember({Pose::Identity()});
+  robot.lose();
+  CHECK(robot.follow(Pose(Eigen::Translation3d(0, 0, 6))) == Relocation::Outcome::kFound);
+  CHECK(robot.odometer.map().keyframes().size() == 1);
 }
