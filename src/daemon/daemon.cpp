@@ -4,6 +4,7 @@
 
 #include <future>
 
+#include "daemon/lcm_url.hpp"
 #include "daemon/silence.hpp"
 #include "daemon/worker.hpp"
 
@@ -49,6 +50,7 @@ void Daemon::publish_until_the_end(const StopSignal& stop) {
   const auto period = std::chrono::duration_cast<Clock::duration>(
       std::chrono::duration<double>(config_.daemon.status_period_s));
   SilenceWatch silence(joined(config_.daemon.scan_channels), config_.daemon.silence_warning_s, Clock::now());
+  const bool live = !is_log_url(input_url(config_.daemon));  // a log waits as long as a scan takes
   auto next_status = Clock::now();
   while (!finished_.ended()) {
     if (stop.requested()) inbox_.close();  // the worker finishes the scan at hand, and no other
@@ -57,7 +59,7 @@ void Daemon::publish_until_the_end(const StopSignal& stop) {
       outputs_.publish_status();
       next_status = now + period;
     }
-    if (const auto line = silence.look(statistics_.report().counters, now)) {
+    if (const auto line = silence.look(statistics_.report().counters, now); line && live) {
       log_line(line->warning ? LogLevel::kWarning : LogLevel::kInfo, line->text);
     }
     if (const auto finished = finished_.take_until(std::min(next_status, now + kGlance)))
