@@ -120,6 +120,12 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
   return ++scans_ >= kPatience ? Outcome::kUndecided : Outcome::kOpen;
 }
 
+const char* Contest::why_undecided() const {
+  if (places_.size() > 1) return "the scans that followed fit several places alike";
+  if (is_open(attempt())) return "the scans that followed leave a motion open";
+  return "the map knows too little of the scans that followed";
+}
+
 std::vector<Pose> Contest::places() const {
   std::vector<Pose> result;
   for (const Place& place : places_) result.push_back(place.map_from_predicted);

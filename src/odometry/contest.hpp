@@ -31,6 +31,9 @@ class Contest {
   /// One more scan, which the excursion has followed. Only kOpen goes on.
   Outcome judge(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion);
 
+  /// What left it undecided, for people.
+  const char* why_undecided() const;
+
   /// Of the place that leads, on the last scan.
   const Attempt& attempt() const { return places_.front().attempt; }
   const Pose& map_from_predicted() const { return places_.front().map_from_predicted; }

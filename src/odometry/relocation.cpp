@@ -133,7 +133,7 @@ Relocation::Outcome Relocation::confirm(const PreparedScan& scan, Odometer& odom
       state_ = TrackingState::kAmbiguous;
       undecided_ = candidate_->contest.places();
     }
-    refuse("the scans that followed fit several places alike: ");
+    refuse(std::string(candidate_->contest.why_undecided()) + ": ");
   }
   if (outcome != Contest::Outcome::kWon) return Outcome::kLost;
   const bool searched = candidate_->answer.has_value();
