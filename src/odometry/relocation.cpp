@@ -24,9 +24,8 @@ constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival
 // that are matched with the map: more makes it another place.
 constexpr double kStrayMetres = 1.0, kStrayRadians = 0.15;                 // at once, and by
 constexpr double kStrayAcceleration = 4.0, kStrayTurnRate = 20 * kDegree;  // m/s^2, rad/s
-// The map at hand is one of a place that has a keyframe so near, or nearly as near as any of the archive.
-constexpr double kCovered = 0.3;  // of the scene's size
-constexpr double kAsNear = 1.2;   // times the archive's distance
+constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
+constexpr double kAsNear = 1.2;   // times the distance of the archive's nearest: it shows the place no better
 
 /// Metres from a place (map frame) to the nearest of the keyframes.
 template <typename Keyframes>
@@ -206,15 +205,19 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   candidate_ = Candidate{std::move(contest), std::move(answer)};
 }
 
-/// Scans decide fairly between places only in a map that knows all of them.
+/// Scans decide fairly between places only in a map that knows all of them. What is archived is thinner than
+/// the map at hand, and not loaded for a rival that it does not show better.
 void Relocation::cover(const std::vector<Pose>& places, const KeyframeArchive& archive, double voxel,
                        Odometer& odometer) const {
   std::vector<Eigen::Vector3d> centres;
-  for (const Pose& place : places) centres.emplace_back((place * excursion_->state().pose).translation());
-  const bool covered = std::all_of(centres.begin(), centres.end(), [&](const Eigen::Vector3d& centre) {
-    return distance_to(odometer.map().keyframes(), centre) <
-           std::max(kCovered * archive.scene(centre), kAsNear * distance_to(archive.keyframes(), centre));
-  });
+  bool covered = true;
+  for (const Pose& place : places) {
+    const Eigen::Vector3d& centre = centres.emplace_back((place * excursion_->state().pose).translation());
+    const double away = distance_to(odometer.map().keyframes(), centre);
+    const bool rival = centres.size() > 1;
+    covered = covered && (away < kCovered * archive.scene(centre) ||
+                          (rival && away < kAsNear * distance_to(archive.keyframes(), centre)));
+  }
   if (!covered) odometer.reload(archive.keyframes(), centres, voxel);
 }
 
