@@ -11,7 +11,8 @@ namespace {
 
 constexpr int kFirstScans = 6;        // that make the first submap
 constexpr int kLongestPause = 30;     // scans between two requests
-constexpr int kSecondLook = 1;        // scans before one that follows a find
+constexpr int kSecondLook = 1;        // scans before one that follows a find, and another one
+constexpr int kLooksAScan = 8;        // for so many attempts: what is found again and again convinces nobody
 constexpr double kSourceReach = 5.6;  // of the scene's size, radius of what is looked for
 constexpr double kVoxel = 0.0675;     // of the scene's size
 // What looks alike on one scale seldom does so on another.
@@ -92,7 +93,7 @@ bool PlaceSearch::take(std::int64_t serial, bool found) {
   careful_ = careful_ || again;
   if (!again) ++attempts_;
   if (again || found) {
-    scans_wanted_ = std::min(scans_wanted_, scans_asked_ + kSecondLook);
+    scans_wanted_ = std::min(scans_wanted_, scans_asked_ + kSecondLook + attempts_ / kLooksAScan);
   } else {
     ++turn_;
   }

@@ -1,0 +1,55 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/place_search.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "prepared_hall.hpp"
+
+using namespace scanlock;
+
+namespace {
+
+struct Asked {
+  int requests = 0, longest_pause = 0;  ///< of scans, between two
+};
+
+/// What a robot at rest asks for in so many scans, when every search finds something, or none does.
+Asked ask(unsigned scans, bool found) {
+  const TrackerConfig config;
+  PreparedHall hall(config);
+  Excursion excursion(config, 0, hall.scan(0), {});
+  const PreparedScan same = hall.scan(1);
+  KeyframeArchive archive(10000000);
+  archive.restore({archived(Pose::Identity(), hall_map())});
+  PlaceSearch search;
+  search.begin(Eigen::Vector3d::Zero());
+  search.begin_anew();
+  Asked asked;
+  unsigned last = 0;
+  for (unsigned i = 1; i < scans; ++i) {
+    excursion.follow(100000 * i, 0.1, same);
+    const auto request = search.next(100000 * i, excursion, archive, std::nullopt);
+    if (!request) continue;
+    if (++asked.requests > 1) asked.longest_pause = std::max(asked.longest_pause, static_cast<int>(i - last));
+    last = i;
+    REQUIRE(search.take(request->serial, found));
+  }
+  return asked;
+}
+
+}  // namespace
+
+TEST_CASE("who finds nothing, or nothing that convinces, asks ever more seldom but never stops") {
+  for (const bool found : {false, true}) {
+    CAPTURE(found);
+    const Asked at_first = ask(20, found), later = ask(120, found);
+    CHECK(at_first.requests >= (found ? 10 : 2));
+    CHECK(later.requests < (found ? 50 : 20));
+    CHECK(later.longest_pause > at_first.longest_pause);
+    CHECK(later.longest_pause <= 30);
+  }
+}
