@@ -19,7 +19,7 @@ namespace {
 constexpr double kEpsilonOfVoxel = 0.75;
 constexpr double kStrongOverlap = 0.55, kStrongLeastOverlap = 0.45;
 constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
-constexpr double kSomeOverlap = 0.3, kTraces = 0.1;
+constexpr double kSomeOverlap = 0.3;
 constexpr double kNoRival = 2;  // consensus over what the runner-up may have
 constexpr int kPreciseMatches = 24;
 // Who draws long enough finds what looks right: later match sets have to pass both tests.
@@ -285,10 +285,6 @@ CloudRegistration Registrar::propose() {
   result_.why = numbers();
   if (best.fit.contradiction > kImpossible) {
     result_.why = "the clouds contradict every pose: " + result_.why;
-    return result_;
-  }
-  if (best.fit.overlap < kTraces) {
-    result_.why = "the clouds hardly overlap: " + result_.why;
     return result_;
   }
   const bool is_largest = clouds_.separation(best.refined, largest) < 1;
