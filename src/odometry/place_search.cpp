@@ -12,7 +12,7 @@ namespace {
 constexpr int kFirstScans = 6;        // that make the first submap
 constexpr int kLongestPause = 30;     // scans between two requests
 constexpr int kSecondLook = 1;        // scans before one that follows a find, and another one
-constexpr int kLooksAScan = 8;        // for so many attempts: what is found again and again convinces nobody
+constexpr int kLooksAScan = 24;       // for so many attempts: what is found again and again convinces nobody
 constexpr double kSourceReach = 5.6;  // of the scene's size, radius of what is looked for
 constexpr double kVoxel = 0.0675;     // of the scene's size
 // What looks alike on one scale seldom does so on another.

@@ -48,7 +48,7 @@ TEST_CASE("who finds nothing, or nothing that convinces, asks ever more seldom b
     CAPTURE(found);
     const Asked at_first = ask(20, found), later = ask(120, found);
     CHECK(at_first.requests >= (found ? 10 : 2));
-    CHECK(later.requests < (found ? 50 : 20));
+    CHECK(later.requests < (found ? 80 : 20));
     CHECK(later.longest_pause > at_first.longest_pause);
     CHECK(later.longest_pause <= 30);
   }
