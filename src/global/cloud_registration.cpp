@@ -41,6 +41,12 @@ std::string no_pose_has_enough(const MatchRegistration& search) {
   return "no pose with " + enough + " was found, not proven that there is none";
 }
 
+std::vector<Eigen::Vector3d> mean_of(const std::vector<Eigen::Vector3d>& directions) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& direction : directions) sum += direction;
+  return {sum.normalized()};
+}
+
 /// Every direction is near one of these.
 std::vector<Eigen::Vector3d> spread_out(const std::vector<Eigen::Vector3d>& directions) {
   std::vector<Eigen::Vector3d> result;
@@ -271,7 +277,9 @@ CloudRegistration Registrar::propose() {
   const bool clear = s.consensus >= kFarAhead * s.runner_up_bound && is_good(hypotheses_.front()) &&
                      std::none_of(hypotheses_.begin() + 1, hypotheses_.end(), is_good);
   if (!few && !clear) {
-    add_likely(spread_out(options_.target_ups));
+    // Where matches have led to a good pose, a look for rivals is enough.
+    const bool good = std::any_of(hypotheses_.begin(), hypotheses_.end(), is_good);
+    add_likely(good ? mean_of(options_.target_ups) : spread_out(options_.target_ups));
     look_for_more(matches);
   }
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
