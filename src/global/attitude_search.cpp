@@ -17,7 +17,25 @@ Matches turned(Matches matches, const Eigen::Matrix3d& rotation) {
   return matches;
 }
 
-/// What the loser leaves open, where it would rather be, and what it took.
+/// The one nearest to a direction of any length, taken out.
+Eigen::Vector3d take_nearest(const Eigen::Vector3d& direction, std::vector<Eigen::Vector3d>* from) {
+  const auto nearest = std::max_element(from->begin(), from->end(), [&](const auto& a, const auto& b) {
+    return a.dot(direction) < b.dot(direction);
+  });
+  const Eigen::Vector3d result = *nearest;
+  from->erase(nearest);
+  return result;
+}
+
+MatchRegistration search_attitude(const Matches& matches, const MatchRegistrationOptions& search,
+                                  const Eigen::Vector3d& up) {
+  const Eigen::Matrix3d level = level_rotation(up);
+  MatchRegistration found = register_matches(turned(matches, level), search);
+  for (Pose* pose : {&found.target_from_source, &found.runner_up}) *pose = level.transpose() * *pose;
+  return found;
+}
+
+/// What the loser leaves open, and where it would rather be.
 void merge(const MatchRegistration& loser, const Eigen::Vector3d& centre, double epsilon,
            MatchRegistration* best) {
   best->upper_bound = std::max(best->upper_bound, loser.upper_bound);
@@ -28,10 +46,13 @@ void merge(const MatchRegistration& loser, const Eigen::Vector3d& centre, double
     best->runner_up_consensus = loser.consensus;
     best->runner_up_bound = std::max(best->runner_up_bound, loser.upper_bound);
   }
-  best->nodes += loser.nodes;
-  best->pruning_ms += loser.pruning_ms;
-  best->search_ms += loser.search_ms;
-  best->runner_up_ms += loser.runner_up_ms;
+}
+
+void add_effort(const MatchRegistration& of, MatchRegistration* sum) {
+  sum->nodes += of.nodes;
+  sum->pruning_ms += of.pruning_ms;
+  sum->search_ms += of.search_ms;
+  sum->runner_up_ms += of.runner_up_ms;
 }
 
 }  // namespace
@@ -40,19 +61,40 @@ MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOpti
                                    const std::vector<Eigen::Vector3d>& target_ups,
                                    const Eigen::Vector3d& centre) {
   if (target_ups.empty() || matches.empty()) return register_matches(matches, search);
-  MatchRegistration best;
-  best.matches = matches.size();
-  for (const Eigen::Vector3d& up : target_ups) {
-    const Eigen::Matrix3d level = level_rotation(up);
+  const bool runner_up = search.runner_up;
+  search.runner_up = false;  // of the best one only: it takes longer than the answer
+  std::vector<Eigen::Vector3d> left = target_ups;
+  Eigen::Vector3d best_up = Eigen::Vector3d::Zero();  // their middle, to begin with
+  for (const Eigen::Vector3d& up : target_ups) best_up += up;
+  std::vector<MatchRegistration> found;
+  std::size_t best = 0;
+  // What is nearest to the best so far comes next: the sooner much is found, the more can be pruned.
+  while (!left.empty()) {
+    const Eigen::Vector3d up = take_nearest(best_up, &left);
     // What loses is of interest only as a runner-up.
-    const double wanted = search.runner_up ? best.consensus / kClearMargin : best.consensus + 1;
+    const int most = found.empty() ? 0 : found[best].consensus;
+    const double wanted = runner_up ? most / kClearMargin : most + 1;
     search.at_least = std::max(kFewestMatches, static_cast<int>(std::ceil(wanted)));
-    MatchRegistration found = register_matches(turned(matches, level), search);
-    for (Pose* pose : {&found.target_from_source, &found.runner_up}) *pose = level.transpose() * *pose;
-    if (found.consensus > best.consensus) std::swap(found, best);
-    merge(found, centre, search.epsilon, &best);
+    found.push_back(search_attitude(matches, search, up));
+    if (found.back().consensus <= most) continue;
+    best = found.size() - 1;
+    best_up = up;
   }
-  return best;
+  MatchRegistration result = found[best];
+  if (runner_up && result.consensus > 0) {
+    search.runner_up = true;
+    search.at_least = result.consensus;
+    MatchRegistration again = search_attitude(matches, search, best_up);
+    if (again.consensus < result.consensus) again = result;  // for it ran out of nodes
+    add_effort(found[best], &again);
+    result = std::move(again);
+  }
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (k == best) continue;
+    merge(found[k], centre, search.epsilon, &result);
+    add_effort(found[k], &result);
+  }
+  return result;
 }
 
 }  // namespace scanlock

@@ -18,9 +18,10 @@ inline std::vector<Eigen::Vector3d> ups_or_z(const std::vector<Eigen::Vector3d>&
 }
 
 /// register_matches() for each direction of the target's frame that may be the source's z axis, as one
-/// search: the largest consensus of all, with bounds that hold for all. Without directions: the z axis, and
-/// any consensus; else those below kFewestMatches, and those far below one that is known, are not searched
-/// out. `centre`: of the source, metres. `search.up` is the z axis.
+/// search: the largest consensus of all, with an upper bound that holds for all. The runner-up, and its
+/// bound, are those in the attitude of the best pose, or better ones that were met elsewhere. Without
+/// directions: the z axis, and any consensus; else those below kFewestMatches, and those far below one that
+/// is known, are not searched out. `centre`: of the source, metres. `search.up` is the z axis.
 MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOptions search,
                                    const std::vector<Eigen::Vector3d>& target_ups,
                                    const Eigen::Vector3d& centre);

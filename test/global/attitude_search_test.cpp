@@ -1,0 +1,87 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "global/attitude_search.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "geometry/rigid.hpp"
+#include "judge.hpp"
+#include "match_samples.hpp"
+
+namespace scanlock {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kInliers = 30, kRival = 26, kOutliers = 300;
+
+/// A place in one of several attitudes, a rival in another one, and what is right by chance.
+struct Slopes {
+  explicit Slopes(unsigned seed) : sample(seed) {
+    for (int k = 0; k < 6; ++k)
+      ups.push_back(Vector3d(sample.uniform(-0.3, 0.3), sample.uniform(-0.3, 0.3), 1).normalized());
+    plant(0, kInliers + kOutliers, kInliers);
+    plant(3, kRival, kRival);
+  }
+  void plant(std::size_t attitude, int count, int inliers) {
+    const Pose truth = sample.pose(10);
+    for (Match m : sample.matches(count, inliers, truth, 20, 0.05)) {
+      m.q = level_rotation(ups[attitude]).transpose() * m.q;
+      matches.push_back(m);
+    }
+  }
+
+  MatchSampler sample;
+  std::vector<Vector3d> ups;
+  Matches matches;
+};
+
+/// The largest consensus of all attitudes, each searched for itself and to its end.
+int most_of_all(const Slopes& slopes) {
+  int most = 0;
+  for (const Vector3d& up : slopes.ups) {
+    Matches turned = slopes.matches;
+    for (Match& m : turned) m.q = level_rotation(up) * m.q;
+    most = std::max(most, register_matches(turned).consensus);
+  }
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("of several attitudes the one with the largest consensus is found, whatever their order") {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    CAPTURE(seed);
+    Slopes slopes(seed);
+    const int most = most_of_all(slopes);
+    REQUIRE(most >= kInliers);
+    for (int order = 0; order < 3; ++order) {
+      CAPTURE(order);
+      const MatchRegistration found = search_attitudes(slopes.matches, {}, slopes.ups, Vector3d::Zero());
+      CHECK(found.consensus == most);
+      CHECK(found.upper_bound == most);
+      CHECK(found.certified);
+      CHECK(found.matches == slopes.matches.size());
+      CHECK(counted_consensus(slopes.matches, 0.1, found.target_from_source) == most);
+      CHECK(found.runner_up_consensus >= kRival);
+      CHECK(found.runner_up_bound >= found.runner_up_consensus);
+      CHECK(counted_consensus(slopes.matches, 0.1, found.runner_up) == found.runner_up_consensus);
+      std::rotate(slopes.ups.begin(), slopes.ups.begin() + 2, slopes.ups.end());
+    }
+  }
+}
+
+TEST_CASE("of several attitudes none has enough matches") {
+  MatchSampler sample(5);
+  const Matches matches = sample.matches(200, 0, Pose::Identity(), 20, 0);
+  const MatchRegistration found =
+      search_attitudes(matches, {}, {Vector3d(0.1, 0, 1).normalized(), Vector3d::UnitZ()}, Vector3d::Zero());
+  CHECK(found.consensus == 0);
+  CHECK(found.upper_bound == kFewestMatches - 1);
+  CHECK(found.matches == 200);
+}
+
+}  // namespace scanlock
