@@ -32,7 +32,8 @@ std::uint8_t bit(int sector) {
 std::uint8_t sectors_across(const Eigen::Vector3f& normal) {
   if (normal.head<2>().norm() < kSteep) return 0xff;
   std::uint8_t result = 0;
-  for (int k = -kAcross; k <= kAcross; ++k) result |= bit(sector(normal) + k);
+  const int middle = sector(normal);
+  for (int k = -kAcross; k <= kAcross; ++k) result |= bit(middle + k);
   return result;
 }
 
@@ -91,6 +92,11 @@ void SeenSpace::trace_ray(const Eigen::Vector3f& from, const Eigen::Vector3f& to
   }
 }
 
+std::uint8_t SeenSpace::headings(const Eigen::Vector3f& p) const {
+  const std::ptrdiff_t at = index(cell(p));
+  return at >= 0 ? headings_[static_cast<std::size_t>(at)] : std::uint8_t{0};
+}
+
 bool SeenSpace::has_surface(const Eigen::Vector3f& p) const {
   const std::ptrdiff_t at = index(cell(p));
   return at >= 0 && surface_[static_cast<std::size_t>(at)];
@@ -98,12 +104,11 @@ bool SeenSpace::has_surface(const Eigen::Vector3f& p) const {
 
 /// Rays skim over the ground between the few that hit it: where none went below, too, that is the ground.
 bool SeenSpace::is_crossed(const Eigen::Vector3f& p, const Eigen::Vector3f& normal) const {
+  const std::uint8_t here = headings(p);
+  const std::uint8_t below = here != 0 ? headings(p - Eigen::Vector3f(0, 0, cell_size_)) : std::uint8_t{0};
+  if (below == 0) return false;
   const std::uint8_t across = sectors_across(normal);
-  const auto crossed = [&](const Eigen::Vector3f& at) {
-    const std::ptrdiff_t i = index(cell(at));
-    return i >= 0 && (headings_[static_cast<std::size_t>(i)] & across) != 0;
-  };
-  return crossed(p) && crossed(p - Eigen::Vector3f(0, 0, cell_size_));
+  return (here & across) != 0 && (below & across) != 0;
 }
 
 }  // namespace scanlock

@@ -27,6 +27,7 @@ class SeenSpace {
  private:
   Eigen::Array3i cell(const Eigen::Vector3f& p) const;
   std::ptrdiff_t index(const Eigen::Array3i& cell) const;  // -1: outside
+  std::uint8_t headings(const Eigen::Vector3f& p) const;   // of the rays that crossed there
   void mark_surfaces(const PointCloud& cloud);
   void trace_ray(const Eigen::Vector3f& from, const Eigen::Vector3f& to);
 
