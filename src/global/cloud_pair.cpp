@@ -10,6 +10,7 @@
 #include "global/cpu_clock.hpp"
 #include "global/stand_poses.hpp"
 #include "global/surface_poses.hpp"
+#include "icp/cloud_selection.hpp"
 
 namespace scanlock {
 namespace {
@@ -19,6 +20,8 @@ constexpr double kHopeless = 0.5;            // contradiction, before the refine
 constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
 constexpr int kRounds = 8;
 constexpr double kStillFits = 0.95;  // of the overlap
+// Of the source, where others judge what comes of it: a pose good to some centimetres shows whether it fits.
+constexpr std::size_t kRefinedPoints = 2000;
 
 }  // namespace
 
@@ -71,13 +74,14 @@ Pose CloudPair::refined(const Pose& start, std::uint32_t* degenerate_axes) {
   if (!index_) {
     index_.emplace(target_.points);
     index_->prepare_normals();
+    refined_points_ = judged_ ? source_.points : thinned(source_.points, kRefinedPoints);
   }
   CloudAlignmentOptions alignment;
   alignment.nu_max = epsilon_;
   alignment.nu_min = std::max(index_->point_nu_min(), index_->plane_nu_min());
   for (const char* method : {"robust-icp-plane", "robust-icp"}) {
     const CloudAlignment aligned =
-        align_clouds(source_.points, *index_, start, *find_cloud_method(method), alignment);
+        align_clouds(refined_points_, *index_, start, *find_cloud_method(method), alignment);
     *degenerate_axes = aligned.degenerate_axes;
     if (separation(aligned.target_from_source, start) < 1) return aligned.target_from_source;
   }
