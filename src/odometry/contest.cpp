@@ -81,15 +81,22 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
   MotionPrior prior;
   prior.mean = {renormalised(place.map_from_predicted * predicted.pose), predicted.twist};
   prior.information = prior_information(metres, radians, excursion.covariance());
+  const auto usual = [](const Attempt& attempt) {
+    return attempt.health.usual_share > 0 ? attempt.health.usual_share : kUnknownShare;
+  };
+  const auto fits = [&](const Attempt& attempt) {
+    return explains(attempt, place.most_score) &&
+           attempt.health.share >= place.least_share * usual(attempt) &&
+           near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);
+  };
   place.attempt = odometer.align(scan, prior, Reach::kNear);
-  const Pose& found = place.attempt.alignment.moving.pose;
-  const Health& health = place.attempt.health;
-  const double usual = health.usual_share > 0 ? health.usual_share : kUnknownShare;
-  place.could_win = health.share >= place.winners_share * usual;
-  place.fits = explains(place.attempt, place.most_score) && health.share >= place.least_share * usual &&
-               near(found, prior.mean.pose, 3.0 * metres, 3.0 * radians);
+  // The excursion may have drifted farther since the search than an alignment reaches that looks near.
+  if (!place.tried && !fits(place.attempt))
+    place.attempt = better(std::move(place.attempt), odometer.probe(scan, prior, Reach::kFar));
+  place.could_win = place.attempt.health.share >= place.winners_share * usual(place.attempt);
+  place.fits = fits(place.attempt);
   if (place.fits) {
-    place.map_from_predicted = renormalised(found * predicted.pose.inverse());
+    place.map_from_predicted = renormalised(place.attempt.alignment.moving.pose * predicted.pose.inverse());
     place.tried = true;
   } else {
     ++place.missed;
