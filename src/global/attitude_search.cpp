@@ -57,15 +57,22 @@ void add_effort(const MatchRegistration& of, MatchRegistration* sum) {
 
 }  // namespace
 
+Eigen::Vector3d middle_of(const std::vector<Eigen::Vector3d>& ups) {
+  constexpr double kNone = 1e-6;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& up : ups) sum += up.normalized();
+  return sum.norm() > kNone ? Eigen::Vector3d(sum.normalized()) : ups_or_z(ups).front().normalized();
+}
+
 MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOptions search,
                                    const std::vector<Eigen::Vector3d>& target_ups,
                                    const Eigen::Vector3d& centre) {
   if (target_ups.empty() || matches.empty()) return register_matches(matches, search);
+  const int fewest = std::max(kFewestMatches, search.at_least);
   const bool runner_up = search.runner_up;
   search.runner_up = false;  // of the best one only: it takes longer than the answer
   std::vector<Eigen::Vector3d> left = target_ups;
-  Eigen::Vector3d best_up = Eigen::Vector3d::Zero();  // their middle, to begin with
-  for (const Eigen::Vector3d& up : target_ups) best_up += up;
+  Eigen::Vector3d best_up = middle_of(target_ups);
   std::vector<MatchRegistration> found;
   std::size_t best = 0;
   // What is nearest to the best so far comes next: the sooner much is found, the more can be pruned.
@@ -74,7 +81,7 @@ MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOpti
     // What loses is of interest only as a runner-up.
     const int most = found.empty() ? 0 : found[best].consensus;
     const double wanted = runner_up ? most / kClearMargin : most + 1;
-    search.at_least = std::max(kFewestMatches, static_cast<int>(std::ceil(wanted)));
+    search.at_least = std::max(fewest, static_cast<int>(std::ceil(wanted)));
     found.push_back(search_attitude(matches, search, up));
     if (found.back().consensus <= most) continue;
     best = found.size() - 1;

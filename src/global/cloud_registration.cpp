@@ -24,7 +24,8 @@ constexpr double kNoRival = 2;  // consensus over what the runner-up may have
 constexpr int kPreciseMatches = 24;
 // Who draws long enough finds what looks right: later match sets have to pass both tests.
 constexpr int kPlainAttempts = 2;
-constexpr int kPeels = 4, kProposals = 8;
+constexpr int kPeels = 4;
+constexpr std::size_t kProposals = 8;
 constexpr std::size_t kFewAttitudes = 4;  // more take long
 constexpr double kSpread = 0.08;          // radians between attitudes that make a difference to a glance
 constexpr double kPeeled = 2;             // epsilons
@@ -39,12 +40,6 @@ std::string no_pose_has_enough(const MatchRegistration& search) {
       std::to_string(kFewestMatches) + " of " + std::to_string(search.matches) + " matches";
   if (search.upper_bound < kFewestMatches) return "no pose has " + enough;
   return "no pose with " + enough + " was found, not proven that there is none";
-}
-
-std::vector<Eigen::Vector3d> mean_of(const std::vector<Eigen::Vector3d>& directions) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& direction : directions) sum += direction;
-  return {sum.normalized()};
 }
 
 /// Every direction is near one of these.
@@ -79,9 +74,10 @@ class Registrar {
   CloudRegistration propose();
   void try_again();
   void attempt(const CloudDescription& source, const CloudDescription& target);
-  MatchRegistration search(const Matches& matches, bool runner_up) const;
+  MatchRegistration search(const Matches& matches, bool runner_up, int at_least = 0) const;
   void look_for_more(Matches matches);
-  bool enough_proposals() const;
+  bool any_is_good() const { return std::any_of(hypotheses_.begin(), hypotheses_.end(), is_good); }
+  int fewest_of_a_rival() const;
   void add_hypothesis(const Pose& pose, int consensus);
   void settle_on(const Hypothesis& best);
   void account(const MatchRegistration& search) {
@@ -100,8 +96,9 @@ class Registrar {
   CloudRegistration result_;
 };
 
-MatchRegistration Registrar::search(const Matches& matches, bool runner_up) const {
+MatchRegistration Registrar::search(const Matches& matches, bool runner_up, int at_least) const {
   MatchRegistrationOptions search;
+  search.at_least = at_least;
   search.epsilon = epsilon_;
   search.tilt = options_.tilt;
   search.max_nodes = options_.max_nodes;
@@ -136,28 +133,27 @@ void Registrar::settle_on(const Hypothesis& best) {
 void Registrar::look_for_more(Matches matches) {
   std::vector<Pose> found = {result_.solution.target_from_source, result_.solution.runner_up};
   for (const Hypothesis& h : hypotheses_) found.push_back(h.start);
-  for (int peel = 0; peel < (options_.judged ? kPeels : kProposals); ++peel) {
-    if (!options_.judged && enough_proposals()) break;
+  const int fewest = options_.judged ? kFewestMatches : fewest_of_a_rival();
+  for (int peel = 0; peel < kPeels; ++peel) {
     const auto agrees = [&](const Match& m) {
       const double reach = kPeeled * epsilon_ + options_.tilt * m.p.norm();
       return std::any_of(found.begin(), found.end(),
                          [&](const Pose& pose) { return (pose * m.p - m.q).norm() <= reach; });
     };
     matches.erase(std::remove_if(matches.begin(), matches.end(), agrees), matches.end());
-    const MatchRegistration next = search(matches, false);
+    const MatchRegistration next = search(matches, false, options_.judged ? 0 : fewest);
     account(next);
-    if (next.consensus < kFewestMatches) break;
+    if (next.consensus < fewest) break;
     add_hypothesis(next.target_from_source, next.consensus);
     found = {next.target_from_source, hypotheses_.back().start};
   }
 }
 
-/// There is one that the clouds do not contradict, they contradict all others, and what is found by now has
-/// far fewer matches. Where several look alike the right one may have the fewest.
-bool Registrar::enough_proposals() const {
-  const auto good = std::find_if(hypotheses_.begin(), hypotheses_.end(), is_good);
-  return good != hypotheses_.end() && good->consensus >= kFarAhead * hypotheses_.back().consensus &&
-         std::none_of(good + 1, hypotheses_.end(), is_good);
+/// Far fewer matches than the best pose that the clouds do not contradict do not make a rival of it.
+int Registrar::fewest_of_a_rival() const {
+  int most = 0;
+  for (const Hypothesis& h : hypotheses_) most = std::max(most, is_good(h) ? h.consensus : 0);
+  return std::max(kFewestMatches, static_cast<int>(most / kFarAhead) + 1);
 }
 
 void Registrar::attempt(const CloudDescription& source, const CloudDescription& target) {
@@ -277,10 +273,12 @@ CloudRegistration Registrar::propose() {
   const bool clear = s.consensus >= kFarAhead * s.runner_up_bound && is_good(hypotheses_.front()) &&
                      std::none_of(hypotheses_.begin() + 1, hypotheses_.end(), is_good);
   if (!few && !clear) {
-    // Where matches have led to a good pose, a look for rivals is enough.
-    const bool good = std::any_of(hypotheses_.begin(), hypotheses_.end(), is_good);
-    add_likely(good ? mean_of(options_.target_ups) : spread_out(options_.target_ups));
-    look_for_more(matches);
+    // Where matches have led to a good pose, a look for rivals is enough; where only the clouds have, matches
+    // have nothing to add.
+    const bool matched = any_is_good();
+    add_likely(matched ? std::vector<Eigen::Vector3d>{middle_of(options_.target_ups)}
+                       : spread_out(options_.target_ups));
+    if (matched || !any_is_good()) look_for_more(matches);
   }
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
                    [](const auto& a, const auto& b) { return score(a.fit) > score(b.fit); });

@@ -74,6 +74,14 @@ TEST_CASE("of several attitudes the one with the largest consensus is found, wha
   }
 }
 
+TEST_CASE("the middle of directions") {
+  const Vector3d z = Vector3d::UnitZ(), aside = Vector3d(0.1, 0, 1).normalized();
+  CHECK(middle_of({}) == z);
+  CHECK(middle_of({aside}) == aside);
+  CHECK((middle_of({Vector3d(0.2, 0, 1), Vector3d(-0.2, 0, 1)}) - z).norm() < 1e-12);
+  CHECK(middle_of({aside, -aside}) == aside);
+}
+
 TEST_CASE("of several attitudes none has enough matches") {
   MatchSampler sample(5);
   const Matches matches = sample.matches(200, 0, Pose::Identity(), 20, 0);
