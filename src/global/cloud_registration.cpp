@@ -76,7 +76,7 @@ class Registrar {
   void attempt(const CloudDescription& source, const CloudDescription& target);
   MatchRegistration search(const Matches& matches, bool runner_up, int at_least = 0) const;
   void look_for_more(Matches matches);
-  bool any_is_good() const { return std::any_of(hypotheses_.begin(), hypotheses_.end(), is_good); }
+  auto good_ones() const { return std::count_if(hypotheses_.begin(), hypotheses_.end(), is_good); }
   int fewest_of_a_rival() const;
   void add_hypothesis(const Pose& pose, int consensus);
   void settle_on(const Hypothesis& best);
@@ -273,12 +273,12 @@ CloudRegistration Registrar::propose() {
   const bool clear = s.consensus >= kFarAhead * s.runner_up_bound && is_good(hypotheses_.front()) &&
                      std::none_of(hypotheses_.begin() + 1, hypotheses_.end(), is_good);
   if (!few && !clear) {
-    // Where matches have led to a good pose, a look for rivals is enough; where only the clouds have, matches
-    // have nothing to add.
-    const bool matched = any_is_good();
+    // Where matches have led to a good pose, a look for rivals is enough. What else matches may say is of
+    // interest where nothing is good, or where they left several that are.
+    const bool matched = good_ones() > 0;
     add_likely(matched ? std::vector<Eigen::Vector3d>{middle_of(options_.target_ups)}
                        : spread_out(options_.target_ups));
-    if (matched || !any_is_good()) look_for_more(matches);
+    if (good_ones() == 0 || (matched && good_ones() > 1)) look_for_more(matches);
   }
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(),
                    [](const auto& a, const auto& b) { return score(a.fit) > score(b.fit); });
