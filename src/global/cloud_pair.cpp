@@ -74,14 +74,15 @@ Pose CloudPair::refined(const Pose& start, std::uint32_t* degenerate_axes) {
   if (!index_) {
     index_.emplace(target_.points);
     index_->prepare_normals();
-    refined_points_ = judged_ ? source_.points : thinned(source_.points, kRefinedPoints);
+    if (!judged_) some_of_source_ = thinned(source_.points, kRefinedPoints);
   }
+  const PointCloud& points = judged_ ? source_.points : some_of_source_;
   CloudAlignmentOptions alignment;
   alignment.nu_max = epsilon_;
   alignment.nu_min = std::max(index_->point_nu_min(), index_->plane_nu_min());
   for (const char* method : {"robust-icp-plane", "robust-icp"}) {
     const CloudAlignment aligned =
-        align_clouds(refined_points_, *index_, start, *find_cloud_method(method), alignment);
+        align_clouds(points, *index_, start, *find_cloud_method(method), alignment);
     *degenerate_axes = aligned.degenerate_axes;
     if (separation(aligned.target_from_source, start) < 1) return aligned.target_from_source;
   }

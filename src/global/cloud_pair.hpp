@@ -57,7 +57,7 @@ class CloudPair {
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();
   std::vector<SurfaceMatch> matches_;
   std::optional<CloudTarget> index_;
-  PointCloud refined_points_;
+  PointCloud some_of_source_;  // for refinements, unless judged
   std::optional<CloudCheck> source_check_, target_check_;
   double matching_ms_ = 0, refinement_ms_ = 0;
 };

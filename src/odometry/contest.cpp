@@ -18,6 +18,9 @@ constexpr double kUnknownShare = 0.5;  // the usual one, before a second scan
 constexpr double kSamePlace = 0.5, kSameHeading = 3.0 * kDegree;
 constexpr int kWins = 3;  // scans in a row
 constexpr int kMissesAllowed = 1;
+// What the excursion has drifted since the search may be farther off than an alignment reaches that looks
+// near. So many places are looked for farther off on one scan, for it takes time; all are in kWins scans.
+constexpr int kFarLooks = 2;
 constexpr int kPatience = 8;                           // scans in which it has to be decided
 constexpr double kClearly = 1.3;                       // times the cost of the leader, and
 constexpr double kAtLeast = 0.03;                      // that much more: clearly worse
@@ -75,7 +78,7 @@ bool Contest::is_worse(const Place& place, const Place& leader, double times, do
 }
 
 void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
-                        Place& place) const {
+                        int* far_looks, Place& place) const {
   const MovingPose& predicted = excursion.state();
   const double metres = place.tried ? 0.1 : 0.5, radians = (place.tried ? 2.0 : 3.0) * kDegree;
   MotionPrior prior;
@@ -90,15 +93,17 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   };
   place.attempt = odometer.align(scan, prior, Reach::kNear);
-  // The excursion may have drifted farther since the search than an alignment reaches that looks near.
-  if (!place.tried && !fits(place.attempt))
+  if (!place.tried && !place.looked_far && !fits(place.attempt) && *far_looks > 0) {
+    --*far_looks;
+    place.looked_far = true;
     place.attempt = better(std::move(place.attempt), odometer.probe(scan, prior, Reach::kFar));
+  }
   place.could_win = place.attempt.health.share >= place.winners_share * usual(place.attempt);
   place.fits = fits(place.attempt);
   if (place.fits) {
     place.map_from_predicted = renormalised(place.attempt.alignment.moving.pose * predicted.pose.inverse());
     place.tried = true;
-  } else {
+  } else if (!place.is_due()) {
     ++place.missed;
   }
 }
@@ -107,7 +112,8 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
   const Pose led_by = places_.front().map_from_predicted;
   const bool led = wins_ > 0;
   odometer.take_usual_from(excursion.odometer());
-  for (Place& place : places_) try_place(odometer, scan, excursion, place);
+  int far_looks = kFarLooks;
+  for (Place& place : places_) try_place(odometer, scan, excursion, &far_looks, place);
   std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
     return a.fits != b.fits ? a.fits : a.attempt.cost() < b.attempt.cost();
   });
@@ -144,8 +150,9 @@ void Contest::drop_losers() {
   std::vector<Place> left;
   for (Place& place : places_) {
     const bool first = left.empty();
-    const bool out = place.missed > kMissesAllowed ||
-                     (!first && left.front().fits && is_worse(place, left.front(), kHopeless, kAtLeast));
+    const bool out = !place.is_due() &&
+                     (place.missed > kMissesAllowed ||
+                      (!first && left.front().fits && is_worse(place, left.front(), kHopeless, kAtLeast)));
     const bool taken = std::any_of(left.begin(), left.end(), [&](const Place& other) {
       return near(other.map_from_predicted, place.map_from_predicted, 0.3, 3.0 * kDegree);
     });

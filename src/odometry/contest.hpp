@@ -46,13 +46,15 @@ class Contest {
     double least_share = 0, winners_share = 0;  ///< of the usual share of inliers, to fit, and to win
     double most_score = kCalmScore;
     int missed = 0;
-    bool standing = false;   ///< see note_standing()
-    bool fits = false;       ///< the last scan
-    bool could_win = false;  ///< by it
-    bool tried = false;
+    bool standing = false;    ///< see note_standing()
+    bool fits = false;        ///< the last scan
+    bool could_win = false;   ///< by it
+    bool tried = false;       ///< it has fitted
+    bool looked_far = false;  ///< or was looked for farther off
     Attempt attempt;
+    bool is_due() const { return !tried && !looked_far; }  ///< before that it cannot be out
   };
-  void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
+  void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion, int* far_looks,
                  Place& place) const;
   static bool is_worse(const Place& place, const Place& leader, double times, double more);
   void drop_losers();
