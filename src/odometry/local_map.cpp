@@ -56,6 +56,23 @@ void LocalMap::insert(Keyframe keyframe, double voxel) {
   }
 }
 
+void LocalMap::load(std::vector<Keyframe> keyframes, double voxel) {
+  clear();
+  if (keyframes.empty()) return;
+  const Eigen::Vector3d here = keyframes.back().map_from_body.translation();
+  move_origin(here);
+  note_voxels(voxel);
+  for (Keyframe& keyframe : keyframes) {
+    keyframe.id = next_id_++;
+    keyframes_.push_back(std::move(keyframe));
+    add_novel_points(keyframes_.back());
+  }
+  forget(here);
+  note_voxels(voxel);
+  tree_.rebuild(cloud_);
+  surfaces_.reset(cloud_, tree_, static_cast<float>(kSurfaceVoxels * voxel_), planar_);
+}
+
 void LocalMap::set_planar(bool planar) {
   if (planar == planar_) return;
   planar_ = planar;

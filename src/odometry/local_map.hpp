@@ -40,6 +40,8 @@ class LocalMap {
   /// Adds a keyframe at its pose. New points are indexed at once; forgetting old ones, and one index of all,
   /// wait until it is worth it. `voxel` in metres.
   void insert(Keyframe keyframe, double voxel);
+  /// These and nothing else, as if inserted in this order, but indexed once.
+  void load(std::vector<Keyframe> keyframes, double voxel);
   /// Whether a planar sensor sees it, from now on: its surfaces are walls.
   void set_planar(bool planar);
   bool planar() const { return planar_; }

@@ -93,8 +93,8 @@ void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
   std::stable_sort(nearest.begin(), nearest.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   nearest.resize(std::min(nearest.size(), static_cast<std::size_t>(config_.max_keyframes)));
-  map_.clear();
   first_.points = {};
+  std::vector<Keyframe> keyframes;
   // The nearest last: the map forgets from the front.
   for (auto k = nearest.rbegin(); k != nearest.rend(); ++k) {
     Keyframe keyframe;
@@ -102,8 +102,9 @@ void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
     keyframe.map_from_body = k->second->map_from_body;
     keyframe.points = *k->second->points;
     last_keyframe_pose_ = keyframe.map_from_body;
-    map_.insert(std::move(keyframe), voxel);
+    keyframes.push_back(std::move(keyframe));
   }
+  map_.load(std::move(keyframes), voxel);
 }
 
 void Odometer::take_usual_from(const Odometer& other) {

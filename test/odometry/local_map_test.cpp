@@ -56,6 +56,36 @@ TEST_CASE("a map keeps what its keyframes see, whoever saw it first, and forgets
   for (int i = 0; i < 10; ++i) CHECK(points_at(10.1f + static_cast<float>(i), map) == (i < 7 ? 0 : 40));
 }
 
+TEST_CASE("a map that is loaded is the one that was inserted") {
+  LocalMapLimits limits;
+  limits.max_keyframes = 3;
+  limits.max_distance = 50;
+  LocalMap inserted(limits), loaded(limits);
+  std::vector<Keyframe> keyframes(6);
+  for (std::size_t i = 0; i < 6; ++i) {
+    keyframes[i].map_from_body.translation().x() = i == 4 ? 120.0 : 7.0;
+    add_row(0.1f, &keyframes[i].points);
+    add_row(10.1f + static_cast<float>(i), &keyframes[i].points);
+    inserted.insert(keyframes[i], i < 5 ? kVoxel : 0.99 * kVoxel);
+  }
+  loaded.load({Keyframe{}}, kVoxel);  // is gone
+  loaded.load(keyframes, 0.99 * kVoxel);
+  CHECK(loaded.keyframes().size() == 3);
+  CHECK(loaded.keyframes().back().id > loaded.keyframes().front().id);
+  for (int i = 0; i < 6; ++i) {
+    const float x = (i == 4 ? 120.0f : 7.0f) + 10.1f + static_cast<float>(i);
+    CAPTURE(i);
+    CHECK(points_at(x, loaded) == points_at(x, inserted));
+  }
+  CHECK(points_at(7.1f, loaded) == 40);
+  Neighbour nearest;
+  REQUIRE(loaded.target().tree.k_nearest(loaded.cloud().point(5), 1, &nearest, 1.0f) == 1);
+  CHECK(nearest.index == 5);
+  loaded.load({}, kVoxel);
+  CHECK(loaded.empty());
+  CHECK(loaded.size() == 0);
+}
+
 TEST_CASE("the first point of a voxel stays, so that the map does not creep") {
   LocalMapLimits limits;
   limits.max_keyframes = 2;
