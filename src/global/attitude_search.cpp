@@ -92,9 +92,8 @@ MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOpti
     search.runner_up = true;
     search.at_least = result.consensus;
     MatchRegistration again = search_attitude(matches, search, best_up);
-    if (again.consensus < result.consensus) again = result;  // for it ran out of nodes
-    add_effort(found[best], &again);
-    result = std::move(again);
+    if (again.consensus >= result.consensus) std::swap(again, result);  // else it ran out of nodes
+    add_effort(again, &result);
   }
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (k == best) continue;

@@ -270,8 +270,8 @@ CloudRegistration Registrar::propose() {
     for (const Pose& pose : clouds_.likely_poses(ups, kProposals)) add_hypothesis(pose, 0);
   };
   if (few) add_likely(options_.target_ups);
-  const bool clear = s.consensus >= kFarAhead * s.runner_up_bound && is_good(hypotheses_.front()) &&
-                     std::none_of(hypotheses_.begin() + 1, hypotheses_.end(), is_good);
+  const bool clear =
+      s.consensus >= kFarAhead * s.runner_up_bound && is_good(hypotheses_.front()) && good_ones() == 1;
   if (!few && !clear) {
     // Where matches have led to a good pose, a look for rivals is enough. What else matches may say is of
     // interest where nothing is good, or where they left several that are.

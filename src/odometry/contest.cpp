@@ -93,7 +93,7 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   };
   place.attempt = odometer.align(scan, prior, Reach::kNear);
-  if (!place.tried && !place.looked_far && !fits(place.attempt) && *far_looks > 0) {
+  if (place.is_due() && !fits(place.attempt) && *far_looks > 0) {
     --*far_looks;
     place.looked_far = true;
     place.attempt = better(std::move(place.attempt), odometer.probe(scan, prior, Reach::kFar));

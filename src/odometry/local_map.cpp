@@ -48,8 +48,7 @@ void LocalMap::insert(Keyframe keyframe, double voxel) {
   }
   add_novel_points(keyframes_.back());
   if (rebuild) {
-    tree_.rebuild(cloud_);
-    surfaces_.reset(cloud_, tree_, static_cast<float>(kSurfaceVoxels * voxel_), planar_);
+    index_all();
   } else {
     tree_.grow(cloud_);
     surfaces_.grow();
@@ -69,6 +68,10 @@ void LocalMap::load(std::vector<Keyframe> keyframes, double voxel) {
   }
   forget(here);
   note_voxels(voxel);
+  index_all();
+}
+
+void LocalMap::index_all() {
   tree_.rebuild(cloud_);
   surfaces_.reset(cloud_, tree_, static_cast<float>(kSurfaceVoxels * voxel_), planar_);
 }

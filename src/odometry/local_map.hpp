@@ -40,7 +40,7 @@ class LocalMap {
   /// Adds a keyframe at its pose. New points are indexed at once; forgetting old ones, and one index of all,
   /// wait until it is worth it. `voxel` in metres.
   void insert(Keyframe keyframe, double voxel);
-  /// These and nothing else, as if inserted in this order, but indexed once.
+  /// These and nothing else, as if inserted in this order, but indexed once. `voxel` in metres.
   void load(std::vector<Keyframe> keyframes, double voxel);
   /// Whether a planar sensor sees it, from now on: its surfaces are walls.
   void set_planar(bool planar);
@@ -65,6 +65,7 @@ class LocalMap {
   void forget(const Eigen::Vector3d& here);
   void move_origin(const Eigen::Vector3d& here);
   void note_voxels(double voxel);
+  void index_all();
   void add_novel_points(const Keyframe& keyframe);
 
   LocalMapLimits limits_;
