@@ -4,9 +4,9 @@
 #include <signal.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <sstream>
 
+#include "../io/recordings.hpp"
 #include "listener.hpp"
 #include "messages/decode_scan.hpp"
 #include "messages/encode_scan.hpp"
@@ -115,10 +115,9 @@ TEST_CASE("every scan that lcm-logplayer plays has its pose in what lcm-logger r
 }
 
 TEST_CASE("the first scans of KITTI 00 end within 5 cm of the reference") {
-  const char* data = std::getenv("SCANLOCK_DATA");
-  const std::string sequence = std::string(data == nullptr ? "" : data) + "/seq/kitti_00_16";
-  if (data == nullptr || read_file(sequence + "/poses_ref.txt").empty()) {
-    MESSAGE("skipped: SCANLOCK_DATA names no folder with seq/kitti_00_16");
+  const std::string sequence = scanlock::recordings() / "seq/kitti_00_16";
+  if (read_file(sequence + "/poses_ref.txt").empty()) {
+    MESSAGE("skipped: no seq/kitti_00_16 in $SCANLOCK_DATA or ../shared/data");
     return;
   }
   const Network network;

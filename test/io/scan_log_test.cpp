@@ -5,13 +5,13 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
 
 #include "io/lcm_log.hpp"
 #include "io/log_info.hpp"
+#include "recordings.hpp"
 #include "temporary_directory.hpp"
 
 namespace scanlock {
@@ -166,8 +166,7 @@ TEST_CASE("stamps at the ends of their range do not overflow") {
 }
 
 TEST_CASE("the real recording survives the way through a log") {
-  const char* given = std::getenv("SCANLOCK_DATA");
-  const std::filesystem::path data = given ? given : SCANLOCK_SOURCE_DIR "/../shared/data";
+  const std::filesystem::path data = recordings();
   if (!std::filesystem::exists(data / "seq/kitti_00_16")) {
     MESSAGE("skipped: no recordings in $SCANLOCK_DATA or ../shared/data");
     return;

@@ -1,0 +1,16 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+
+namespace scanlock {
+
+/// The folder of real scans, which are no part of the project; tests that use it say so where it is missing.
+inline std::filesystem::path recordings() {
+  const char* given = std::getenv("SCANLOCK_DATA");
+  return given != nullptr ? given : SCANLOCK_SOURCE_DIR "/../shared/data";
+}
+
+}  // namespace scanlock
