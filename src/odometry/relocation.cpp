@@ -43,9 +43,11 @@ void Relocation::distrust(std::int64_t utime, double dt, const PreparedScan& sca
   depart_or_follow(utime, dt, scan, odometer);
 }
 
-void Relocation::begin(const Odometer& odometer, const std::optional<Sighting>& last_seen,
+void Relocation::begin(const Odometer& odometer, const std::optional<Sighting>& last_seen, bool looks_alike,
                        const KeyframeArchive& archive) {
   lost_ = true;
+  looks_alike_ = looks_alike;
+  nothing_found_ = false;
   scans_ = 0;
   state_ = archive.empty() ? TrackingState::kLost : TrackingState::kRecovering;
   last_seen_ = last_seen;
@@ -67,7 +69,7 @@ Relocation::Outcome Relocation::follow(std::int64_t utime, double dt, const Prep
   if (candidate_) {
     outcome = confirm(scan, odometer, attempt);
   } else {
-    feel(scan, odometer, attempt);
+    feel(utime, scan, odometer, attempt);
   }
   if (outcome == Outcome::kLost) follow_excursion(odometer);
   return outcome;
@@ -103,10 +105,12 @@ void Relocation::follow_excursion(Odometer& odometer) const {
 }
 
 /// Tries where the robot must be if it was only blinded: at the prediction or where it was last seen, in
-/// turn. What it finds farther off is left to the certificate.
-void Relocation::feel(const PreparedScan& scan, Odometer& odometer, Attempt* attempt) {
+/// turn. What it finds farther off is left to the certificate, and what only looks like that place is
+/// believed when the search, too, knows nothing better.
+void Relocation::feel(std::int64_t utime, const PreparedScan& scan, Odometer& odometer, Attempt* attempt) {
   const bool seldom = scans_ > kPatience && scans_ % kSeldom != 0;
-  if (!last_seen_ || odometer.empty() || seldom) return;
+  const bool better_ask = looks_alike_ && (!nothing_found_ || state_ == TrackingState::kAmbiguous);
+  if (!last_seen_ || odometer.empty() || seldom || better_ask) return;
   const bool standing = scans_ % 2 == 0;
   const MovingPose& predicted = excursion_->state();
   MotionPrior prior;
@@ -118,7 +122,10 @@ void Relocation::feel(const PreparedScan& scan, Odometer& odometer, Attempt* att
   const double share = usual_share(attempt->health) ? 1.0 : 0.4;  // of the gate
   const bool there = standing ? near(found, last_seen_->map_from_body, share * 0.5, share * 5.0 * kDegree)
                               : near(found, predicted.pose, share * gate_m_, share * gate_rad_);
-  if (there && explains(*attempt, kCalmScore))
+  if (!there || !explains(*attempt, kCalmScore)) return;
+  looks_alike_ = looks_alike_ || is_elsewhere(*last_seen_, contradiction(*last_seen_, utime, scan,
+                                                                         attempt->alignment.moving));
+  if (!looks_alike_ || nothing_found_)
     candidate_ = Candidate{Contest(renormalised(found * predicted.pose.inverse()), 1), std::nullopt};
 }
 
@@ -175,6 +182,7 @@ std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, cons
 void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
                       Odometer& odometer) {
   if (!search_.take(answer.serial, answer.verdict == PlaceVerdict::kFound) || !lost_ || !excursion_) return;
+  nothing_found_ = answer.verdict != PlaceVerdict::kFound;
   if (answer.verdict != PlaceVerdict::kFound) {
     if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
     ended_ = recovery_of(answer);
@@ -246,7 +254,7 @@ bool Relocation::agree(const Pose& a, const Pose& b, double metres, double radia
 
 /// Whether a correction puts the robot to where it may have come from where it was seen last.
 bool Relocation::is_expected(const Pose& map_from_predicted) const {
-  if (!last_seen_) return false;
+  if (!last_seen_ || looks_alike_) return false;
   const double blind_s = 1e-6 * static_cast<double>(departed_utime_ - last_seen_->utime);
   if (blind_s > kCoastSeconds) return false;
   const double turned = kStrayTurnRate * blind_s, sped = kStrayAcceleration * blind_s;

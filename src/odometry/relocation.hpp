@@ -13,15 +13,10 @@
 #include "odometry/keyframe_archive.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/place_search.hpp"
+#include "odometry/sighting.hpp"
 #include "odometry/tracked_scan.hpp"
 
 namespace scanlock {
-
-/// Where a body was for sure, and when.
-struct Sighting {
-  Pose map_from_body = Pose::Identity();
-  std::int64_t utime = 0;  ///< microseconds
-};
 
 /// What a tracker does whose map does not explain what it sees: it goes on by an excursion from the first
 /// scan that it distrusts, tries where it must be if it was only blinded, asks for searches of its place,
@@ -41,7 +36,8 @@ class Relocation {
   void distrust(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer,
                 double energy);
   /// Lost at the odometer's state, after it was `last_seen`; nobody knows where, in a map that was loaded.
-  void begin(const Odometer& odometer, const std::optional<Sighting>& last_seen,
+  /// `looks_alike`: a scan fits there, but it is another place.
+  void begin(const Odometer& odometer, const std::optional<Sighting>& last_seen, bool looks_alike,
              const KeyframeArchive& archive);
   /// Scans are explained again, or there is another map: what was seen since is of no use any more.
   void end();
@@ -78,7 +74,7 @@ class Relocation {
     std::optional<RecoveryAnswer> answer;  ///< of the search; none: felt, or said
   };
   void depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer);
-  void feel(const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
+  void feel(std::int64_t utime, const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
   Outcome confirm(const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
   void refuse(const std::string& why);
   void follow_excursion(Odometer& odometer) const;
@@ -93,7 +89,9 @@ class Relocation {
   bool lost_ = false;
   TrackingState state_ = TrackingState::kRecovering;
   std::optional<Sighting> last_seen_;
-  int scans_ = 0;  ///< since it was lost
+  bool looks_alike_ = false;    ///< what is where it is expected
+  bool nothing_found_ = false;  ///< by the last search
+  int scans_ = 0;               ///< since it was lost
   std::optional<Excursion> excursion_;
   MovingPose departed_;  ///< where it began, and when
   std::int64_t departed_utime_ = 0;

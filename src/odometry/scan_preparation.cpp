@@ -21,7 +21,16 @@ constexpr double kVoxelPerRange = 0.045;     // the first guess, before a count 
 constexpr double kStep = 1.189207115002721;  // 2^(1/4)
 constexpr double kPointsPerVoxel = 3.0, kPlanarPointsPerVoxel = 1.2;
 constexpr double kBand = 1.3;
+constexpr std::size_t kRays = 8192;  // about
 constexpr int kSettlingRounds = 16;
+
+PointCloud every_so_many(const PointCloud& points, const std::vector<std::uint32_t>& indices) {
+  const std::size_t step = std::max<std::size_t>(indices.size() / kRays, 1);
+  std::vector<std::uint32_t> some;
+  some.reserve(indices.size() / step + 1);
+  for (std::size_t k = 0; k < indices.size(); k += step) some.push_back(indices[k]);
+  return select(points, some);
+}
 
 /// Squared ranges in bins of 1/16 octave (of the range: 1/32): the top bits of a float are a logarithm.
 class RangeHistogram {
@@ -132,6 +141,7 @@ PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, Vox
     if (!scale->adapt(fine.size(), cropped.indices.size(), result.planar)) break;
   }
   result.fine = select(points, fine);
+  if (!result.planar) result.rays = every_so_many(points, cropped.indices);
   const std::size_t most = static_cast<std::size_t>(std::max(max_source_points, 1));
   std::vector<std::uint32_t> source;
   for (float voxels : kSourceVoxels) {

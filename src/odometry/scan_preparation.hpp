@@ -39,6 +39,7 @@ class VoxelScale {
 struct PreparedScan {
   PointCloud fine;          ///< one point a map voxel: becomes the keyframe
   PointCloud source;        ///< a coarser part of it: is aligned
+  PointCloud rays;          ///< some of all its points, as densely in every direction as the sensor looks
   double voxel = 0;         ///< metres, of `fine`
   double median_range = 0;  ///< metres
   std::size_t whole = 0;    ///< points of the source, also of one that this is a part of

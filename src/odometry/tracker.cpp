@@ -55,8 +55,8 @@ struct Tracker::State {
   Pose start_pose = Pose::Identity();  // of the first scan
 
   Sighting last_trusted;
-  bool last_looked_around = false;  // the last scan that was trusted
-  int distrusted_scans = 0;         // in a row
+  int distrusted_scans = 0;  // in a row
+  bool looks_alike = false;  // one of them fits, but the last trusted one says that it is of another place
   int quiet_scans_left = 0;
   OpenAxes open_axes;
 
@@ -90,8 +90,10 @@ struct Tracker::State {
 
   void start(std::int64_t utime, const PreparedScan& scan) {
     odometer.start(utime, scan, {start_pose, Vector6::Zero()});
-    last_trusted = {start_pose, utime};
-    last_looked_around = looks_around(scan.source);
+    last_trusted = Sighting();
+    last_trusted.map_from_body = start_pose;
+    last_trusted.utime = utime;
+    last_trusted.looked_around = looks_around(scan.source);
     distrusted_scans = 0;
     state = TrackingState::kInitialising;
   }
@@ -150,7 +152,7 @@ struct Tracker::State {
     const bool sudden = static_cast<double>(utime - last_trusted.utime) * kMicro < kMoment && suspicious &&
                         health.share < least * health.last_share;
     // What comes into view where nothing was seen before is no surprise.
-    return (little || (sudden && last_looked_around)) && looks_around(scan.source);
+    return (little || (sudden && last_trusted.looked_around)) && looks_around(scan.source);
   }
 
   bool trusted(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) const {
@@ -169,13 +171,19 @@ struct Tracker::State {
       Attempt hinted = odometer.align(scan, prior, Reach::kNear);
       if (trusted(utime, scan, hinted)) attempt = std::move(hinted);
     }
+    const bool fits = trusted(utime, scan, attempt);
+    // The motion of the first few scans is not known well enough.
+    const bool judged = fits && !attempt.health.young;
+    const double contradicted =
+        judged ? contradiction(last_trusted, utime, scan, attempt.alignment.moving) : 0;
     finished(Stage::kAlign);
-    if (trusted(utime, scan, attempt)) {
+    if (fits && !is_elsewhere(last_trusted, contradicted)) {
       if (hints.motion) attempt.prior.mean = predict(dt, hints).mean;  // for what the scene leaves open
-      believe(utime, scan, attempt);
+      believe(utime, scan, attempt, contradicted);
       describe(attempt, PoseMethod::kIcp, tracked);
       return;
     }
+    looks_alike = looks_alike || fits;
     describe(attempt, PoseMethod::kPredicted, tracked);
     coast(utime, prior);
     if (state == TrackingState::kInitialising) {
@@ -185,11 +193,13 @@ struct Tracker::State {
     relocation.distrust(utime, dt, scan, odometer, attempt.health.energy);
   }
 
-  void believe(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) {
+  void believe(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt, double contradicted) {
     odometer.accept(attempt);
     distrusted_scans = 0;
-    last_trusted = {odometer.state().pose, utime};
-    last_looked_around = looks_around(scan.source);
+    looks_alike = false;
+    last_trusted = sighting(utime, scan, odometer.state(), last_trusted, contradicted);
+    // What the map explains little of, a crowd or dust, may be gone the next moment.
+    if (attempt.health.share < kDegradedShare) last_trusted.forget_view();
     state = TrackingState::kTracking;
     relocation.end();
     if (quiet_scans_left > 0) {
@@ -232,11 +242,11 @@ struct Tracker::State {
     if (jumped) ++epoch;
     // On new ground it must grow at once, or the robot has left it.
     quiet_scans_left = usual_share(attempt.health) ? kQuietScans : 0;
-    believe(utime, scan, attempt);
+    believe(utime, scan, attempt, 0);
     describe(attempt, jumped ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
   }
 
-  void lose() { relocation.begin(odometer, last_trusted, archive); }
+  void lose() { relocation.begin(odometer, last_trusted, looks_alike, archive); }
 
   // ---- reporting
 
@@ -364,7 +374,9 @@ void Tracker::set_pose(const Pose& map_from_body) {
   s.relocation.end();
   s.odometer.set_pose(map_from_body);
   s.start_pose = map_from_body;
-  s.last_trusted = {map_from_body, s.last_utime};
+  s.last_trusted = Sighting();
+  s.last_trusted.map_from_body = map_from_body;
+  s.last_trusted.utime = s.last_utime;
   s.begun = false;
   if (!s.archive.knows(map_from_body.translation())) {  // a new start
     s.state = TrackingState::kInitialising;
@@ -387,7 +399,7 @@ void Tracker::load(SavedMap saved) {
   if (s.archive.empty()) return;
   s.start_pose = s.last_trusted.map_from_body = saved.last_pose;
   s.odometer.set_pose(saved.last_pose);
-  s.relocation.begin(s.odometer, std::nullopt, s.archive);
+  s.relocation.begin(s.odometer, std::nullopt, false, s.archive);
 }
 
 PointCloud Tracker::map() const {

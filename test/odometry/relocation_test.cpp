@@ -31,7 +31,7 @@ struct Displaced {
   void lose() {
     odometer.set_pose(lost);
     relocation.distrust(0, 0, first, odometer, 1);
-    relocation.begin(odometer, std::nullopt, archive);
+    relocation.begin(odometer, std::nullopt, false, archive);
   }
 
   /// False: it was not asked.

@@ -223,6 +223,36 @@ TEST_CASE("a turn that no robot makes is not believed, however well its scan fit
   }
 }
 
+TEST_CASE("a place that looks like the expected one is not believed when doors have changed at once") {
+  const Pose start = at(1, 0.5, 0);
+  const auto scan = [&](int i, bool open) {
+    Scan seen = hall_scan(start, Vector6::Zero(), Drive::utime(i), static_cast<unsigned>(i));
+    for (std::size_t k = 0; k < seen.points.size(); ++k) {
+      const float x = seen.points.x[k], y = seen.points.y[k];
+      if (!open || (x < 10.9f && x > -12.9f) || std::abs(y) > 6) continue;
+      seen.points.x[k] *= 1.6f;  // another room behind either wall
+      seen.points.y[k] *= 1.6f;
+      seen.points.z[k] *= 1.6f;
+    }
+    return seen;
+  };
+  Tracker tracker(TrackerConfig{});
+  for (int i = 0; i < 20; ++i) tracker.track(scan(i, true));
+  CHECK(tracker.track(scan(20, false)).state == TrackingState::kDegraded);
+  for (int i = 21; i < 30; ++i) CHECK(tracker.track(scan(i, false)).state == TrackingState::kRecovering);
+  CHECK(tracker.track(scan(30, true)).state == TrackingState::kRecovering);  // there may be two such doors
+  // A search that finds nothing better leaves it there.
+  std::optional<RecoveryRequest> request = tracker.take_request();
+  REQUIRE(request);
+  RecoveryAnswer nothing;
+  nothing.serial = request->serial;
+  tracker.give(nothing);
+  TrackedScan last;
+  for (int i = 31; i < 37; ++i) last = tracker.track(scan(i, true));
+  CHECK(last.state == TrackingState::kTracking);
+  CHECK(last.epoch == 0);
+}
+
 TEST_CASE("what a cover hid does not surprise when it is taken away") {
   const Drive drive(at(-6, -1, 0), twist(1, 0, 0));
   Tracker tracker(TrackerConfig{});
