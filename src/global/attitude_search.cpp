@@ -27,12 +27,24 @@ Eigen::Vector3d take_nearest(const Eigen::Vector3d& direction, std::vector<Eigen
   return result;
 }
 
+void turn(const Eigen::Matrix3d& rotation, MatchRegistration* found) {
+  for (Pose* pose : {&found->target_from_source, &found->runner_up}) *pose = rotation * *pose;
+}
+
 MatchRegistration search_attitude(const Matches& matches, const MatchRegistrationOptions& search,
                                   const Eigen::Vector3d& up) {
   const Eigen::Matrix3d level = level_rotation(up);
   MatchRegistration found = register_matches(turned(matches, level), search);
-  for (Pose* pose : {&found.target_from_source, &found.runner_up}) *pose = level.transpose() * *pose;
+  turn(level.transpose(), &found);
   return found;
+}
+
+void add_runner_up(const Matches& matches, const MatchRegistrationOptions& search, const Eigen::Vector3d& up,
+                   MatchRegistration* found) {
+  const Eigen::Matrix3d level = level_rotation(up);
+  turn(level, found);
+  find_runner_up(turned(matches, level), search, found);
+  turn(level.transpose(), found);
 }
 
 /// What the loser leaves open, and where it would rather be.
@@ -50,6 +62,7 @@ void merge(const MatchRegistration& loser, const Eigen::Vector3d& centre, double
 
 void add_effort(const MatchRegistration& of, MatchRegistration* sum) {
   sum->nodes += of.nodes;
+  sum->work += of.work;
   sum->pruning_ms += of.pruning_ms;
   sum->search_ms += of.search_ms;
   sum->runner_up_ms += of.runner_up_ms;
@@ -88,13 +101,7 @@ MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOpti
     best_up = up;
   }
   MatchRegistration result = found[best];
-  if (runner_up && result.consensus > 0) {
-    search.runner_up = true;
-    search.at_least = result.consensus;
-    MatchRegistration again = search_attitude(matches, search, best_up);
-    if (again.consensus >= result.consensus) std::swap(again, result);  // else it ran out of nodes
-    add_effort(again, &result);
-  }
+  if (runner_up && result.certified) add_runner_up(matches, search, best_up, &result);
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (k == best) continue;
     merge(found[k], centre, search.epsilon, &result);

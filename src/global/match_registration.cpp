@@ -53,6 +53,12 @@ struct Frame {
                            result.linear() * p_centre;
     return result;
   }
+
+  LevelPose level_pose(const Pose& pose) const {
+    const Eigen::Matrix3d turn = level * pose.linear() * level.transpose();
+    const Eigen::Vector3d way = level * (pose.translation() + pose.linear() * p_centre - q_centre);
+    return {std::atan2(turn(1, 0), turn(0, 0)), way.x(), way.y(), way.z()};
+  }
 };
 
 Frame frame_of(const Matches& matches, const Eigen::Vector3d& up) {
@@ -102,9 +108,9 @@ SearchLimits limits_of(const MatchRegistrationOptions& options) {
 /// First a pose by a little best-first search, if weak ones are wanted, then a bound on all others. A rival
 /// of less than half the consensus is none, so the bound need not come below that; and the effort is bounded,
 /// for the runner-up is harder to prove than the answer.
-void find_runner_up(const LevelMatches& matches, const LevelPose& first,
-                    const MatchRegistrationOptions& options, SearchLimits limits, std::size_t work,
-                    const Frame& frame, MatchRegistration& result) {
+void seek_runner_up(const LevelMatches& matches, const LevelPose& first,
+                    const MatchRegistrationOptions& options, const Frame& frame, SearchLimits limits,
+                    MatchRegistration& result) {
   constexpr std::size_t kLeastWork = 200'000, kMostWork = 4'000'000;
   const ExcludedPoses excluded{first, options.rival_angle, options.rival_distance};
   Incumbent rival;
@@ -120,7 +126,7 @@ void find_runner_up(const LevelMatches& matches, const LevelPose& first,
     Incumbent better = rival;
     better.consensus = std::max(rival.consensus, result.consensus / 2);
     const int known = better.consensus;
-    limits.work = std::max(kMostWork, 2 * work);
+    limits.work = std::max(kMostWork, 2 * result.work);
     bound = std::min(bound, search_poses(matches, better, limits, excluded).upper_bound);
     if (better.consensus > known) rival = better;
   }
@@ -147,7 +153,6 @@ MatchRegistration register_matches(const Matches& matches, const MatchRegistrati
   const LevelMatches* left = &all;
   Incumbent best;
   best.consensus = std::max(0, options.at_least - 1);
-  std::size_t work = 0;
   int bound = static_cast<int>(matches.size());
   if (options.prune) {
     std::vector<std::uint32_t> kept;
@@ -155,14 +160,14 @@ MatchRegistration register_matches(const Matches& matches, const MatchRegistrati
     pruned = select(all, kept);
     left = &pruned;
     result.nodes += pruning.nodes;
-    work += pruning.work;
+    result.work += pruning.work;
     limits.nodes -= std::min(limits.nodes, pruning.nodes);
     if (!pruning.finished) bound = pruning.upper_bound;
     result.matches_after_pruning = kept.size();
   }
   (options.prune ? result.pruning_ms : result.search_ms) = clock.lap();
   const SearchResult search = search_poses(*left, best, limits);
-  work += search.work;
+  result.work += search.work;
   result.nodes += search.nodes;
   result.upper_bound = std::max(best.consensus, std::min(bound, search.upper_bound));
   if (best.consensus < options.at_least) {
@@ -177,12 +182,23 @@ MatchRegistration register_matches(const Matches& matches, const MatchRegistrati
   result.search_ms += clock.lap();
   if (options.runner_up && search.finished) {
     limits.nodes -= std::min(limits.nodes, search.nodes);
-    find_runner_up(all, best.pose, options, limits, work, frame, result);
+    seek_runner_up(all, best.pose, options, frame, limits, result);
   } else {
     result.runner_up_bound = result.upper_bound;
   }
   result.runner_up_ms = clock.lap();
   return result;
+}
+
+void find_runner_up(const Matches& matches, const MatchRegistrationOptions& options,
+                    MatchRegistration* registration) {
+  check(matches, options);
+  if (matches.empty()) return;
+  CpuClock clock;
+  const Frame frame = frame_of(matches, options.up);
+  seek_runner_up(levelled(matches, frame, options), frame.level_pose(registration->target_from_source),
+                 options, frame, limits_of(options), *registration);
+  registration->runner_up_ms += clock.lap();
 }
 
 }  // namespace scanlock

@@ -48,7 +48,7 @@ struct MatchRegistration {
       0;  ///< no such pose holds more; not looked for below half the consensus, and with bounded effort
 
   std::vector<std::uint32_t> inliers;  ///< of target_from_source, ascending
-  std::size_t matches = 0, matches_after_pruning = 0, nodes = 0;
+  std::size_t matches = 0, matches_after_pruning = 0, nodes = 0, work = 0;  ///< work: matches looked at
   double pruning_ms = 0, search_ms = 0, runner_up_ms = 0;  ///< CPU of this thread
 };
 
@@ -64,5 +64,9 @@ struct MatchRegistration {
 /// Throws std::invalid_argument with a sentence when an option is out of range or a coordinate is not finite
 /// (naming the match, counted from 0). No matches give a consensus of 0, certified.
 MatchRegistration register_matches(const Matches& matches, const MatchRegistrationOptions& options = {});
+
+/// Looks for the runner-up of a certified registration of the same matches that was made without one.
+void find_runner_up(const Matches& matches, const MatchRegistrationOptions& options,
+                    MatchRegistration* registration);
 
 }  // namespace scanlock

@@ -74,6 +74,19 @@ TEST_CASE("of several attitudes the one with the largest consensus is found, wha
   }
 }
 
+TEST_CASE("the search is not made again for its runner-up") {
+  const Slopes slopes(3);
+  const Vector3d up = slopes.ups.front();
+  Matches turned = slopes.matches;
+  for (Match& m : turned) m.q = level_rotation(up) * m.q;
+  MatchRegistrationOptions alone;
+  alone.runner_up = false;
+  alone.at_least = kFewestMatches;
+  const MatchRegistration found = search_attitudes(slopes.matches, {}, {up}, Vector3d::Zero());
+  CHECK(found.runner_up_consensus > 0);
+  CHECK(found.nodes == register_matches(turned, alone).nodes);
+}
+
 TEST_CASE("the middle of directions") {
   const Vector3d z = Vector3d::UnitZ(), aside = Vector3d(0.1, 0, 1).normalized();
   CHECK(middle_of({}) == z);

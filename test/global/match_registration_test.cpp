@@ -157,6 +157,26 @@ TEST_CASE("The runner-up is the other of two planted poses") {
   CHECK(counted_consensus(matches, 0.1, found.runner_up) == found.runner_up_consensus);
 }
 
+TEST_CASE("The runner-up may be looked for afterwards") {
+  MatchSampler sample(17);
+  const Pose one = sample.pose(5), other = sample.pose(5);
+  Matches matches = sample.matches(500, 60, one, 15, 0.05);
+  for (const Match& m : sample.matches(50, 50, other, 15, 0.05)) matches.push_back(m);
+  MatchRegistrationOptions options;
+  options.up = Vector3d(0.3, -0.2, 1);
+  const MatchRegistration at_once = register_matches(matches, options);
+  options.runner_up = false;
+  MatchRegistration found = register_matches(matches, options);
+  CHECK(found.runner_up_bound == found.consensus);
+  find_runner_up(matches, options, &found);
+  CHECK(found.consensus == at_once.consensus);
+  CHECK(found.target_from_source.matrix() == at_once.target_from_source.matrix());
+  CHECK(found.runner_up_consensus == at_once.runner_up_consensus);
+  CHECK(found.runner_up_bound == at_once.runner_up_bound);
+  CHECK(found.runner_up_bound < found.consensus);
+  CHECK(counted_consensus(matches, 0.1, found.runner_up) == found.runner_up_consensus);
+}
+
 TEST_CASE("A pose that can be nowhere else has a weak runner-up") {
   MatchSampler sample(8);
   const MatchRegistration found = register_matches(sample.matches(400, 80, sample.pose(5), 15, 0.05));
