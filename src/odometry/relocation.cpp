@@ -123,8 +123,8 @@ void Relocation::feel(std::int64_t utime, const PreparedScan& scan, Odometer& od
   const bool there = standing ? near(found, last_seen_->map_from_body, share * 0.5, share * 5.0 * kDegree)
                               : near(found, predicted.pose, share * gate_m_, share * gate_rad_);
   if (!there || !explains(*attempt, kCalmScore)) return;
-  looks_alike_ = looks_alike_ || is_elsewhere(*last_seen_, contradiction(*last_seen_, utime, scan,
-                                                                         attempt->alignment.moving));
+  looks_alike_ =
+      looks_alike_ || contradiction(*last_seen_, utime, scan, attempt->alignment.moving) > kMostContradiction;
   if (!looks_alike_ || nothing_found_)
     candidate_ = Candidate{Contest(renormalised(found * predicted.pose.inverse()), 1), std::nullopt};
 }

@@ -7,7 +7,6 @@
 #include "geometry/rigid.hpp"
 #include "odometry/motion_filter.hpp"
 #include "odometry/scan_preparation.hpp"
-#include "odometry/scan_view.hpp"
 
 namespace scanlock {
 
@@ -17,27 +16,19 @@ struct Sighting {
   std::int64_t utime = 0;  ///< microseconds
   bool looked_around = false;
   Vector6 twist = Vector6::Zero();  ///< the motion that bends what follows
-  PointCloud source;                ///< as it came, at this twist; empty where nothing is known of it
-  ScanView view;                    ///< the same
-  double usual_contradiction = 0;   ///< about the most that there was lately
-
-  /// It is no witness of what is there.
-  void forget_view() { source = {}; }
+  PointCloud source, rays;          ///< of the scan, as they came; empty where it is no witness
 };
 
-/// `before`, the one before, was contradicted by so much.
-Sighting sighting(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving,
-                  const Sighting& before, double contradiction);
+Sighting sighting(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving);
 
 /// How much of two scans in a row cannot have been seen from where they are said to be (0 to 1), whatever a
 /// map knows of either: the larger of the shares of the one that the other one says is not there. Some
-/// hundredths in streets with traffic, through doors and in shakes; another place that looks the same has
-/// 0.15 and more. 0 after more than half a second, in which too much may have changed, and of planar sensors,
-/// whose few points say too little.
+/// hundredths in streets with traffic, through doors and in shakes, more while a lorry passes close by, and
+/// 0.15 and more at another place that looks the same. 0 after more than half a second, in which too much may
+/// have changed, and of planar sensors, whose few points say too little.
 double contradiction(const Sighting& before, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& now);
-
-/// Whether that is too much for a scan of the same place.
-bool is_elsewhere(const Sighting& before, double contradiction);
+/// More is not seen from two places so near each other, unless something large moves.
+inline constexpr double kMostContradiction = 0.1;
 
 }  // namespace scanlock

@@ -27,6 +27,7 @@ constexpr double kWithinReach = 0.08, kWithinTurn = 5.0 * kDegree;
 // How far pose and velocity are from their prediction, squared: drives stay below 3, shakes below 25; kidnaps
 // to a place that looks alike had 35 and 190.
 constexpr double kUnusualGap = 10, kMostGap = 30;
+constexpr double kStrayGap = 1;         // kidnaps that nothing else tells of had 6 and more
 constexpr double kDegradedShare = 0.4;  // of the points of a scan: fewer are explained
 constexpr int kQuietScans = 5;          // after that, before the map may grow
 constexpr int kAttitudes = 100;         // that the upward direction is averaged over
@@ -161,6 +162,14 @@ struct Tracker::State {
            !elsewhere(utime, scan, attempt);
   }
 
+  /// Another place explains a scan as well at times, but does not look the same in every direction from one
+  /// scan to the next. What passes close by hides as much, but does not put the robot aside of its way. The
+  /// motion of the first few scans is not known well enough to say.
+  bool only_looks_alike(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) const {
+    if (attempt.health.young || (!looks_alike && gap(attempt) < kStrayGap)) return false;
+    return contradiction(last_trusted, utime, scan, attempt.alignment.moving) > kMostContradiction;
+  }
+
   void track_on(std::int64_t utime, const PreparedScan& scan, double dt, const ScanPrior& hints,
                 TrackedScan* tracked) {
     MotionPrior prior = odometer.predict(dt);
@@ -172,18 +181,15 @@ struct Tracker::State {
       if (trusted(utime, scan, hinted)) attempt = std::move(hinted);
     }
     const bool fits = trusted(utime, scan, attempt);
-    // The motion of the first few scans is not known well enough.
-    const bool judged = fits && !attempt.health.young;
-    const double contradicted =
-        judged ? contradiction(last_trusted, utime, scan, attempt.alignment.moving) : 0;
+    const bool alike = fits && only_looks_alike(utime, scan, attempt);
     finished(Stage::kAlign);
-    if (fits && !is_elsewhere(last_trusted, contradicted)) {
+    if (fits && !alike) {
       if (hints.motion) attempt.prior.mean = predict(dt, hints).mean;  // for what the scene leaves open
-      believe(utime, scan, attempt, contradicted);
+      believe(utime, scan, attempt);
       describe(attempt, PoseMethod::kIcp, tracked);
       return;
     }
-    looks_alike = looks_alike || fits;
+    looks_alike = looks_alike || alike;
     describe(attempt, PoseMethod::kPredicted, tracked);
     coast(utime, prior);
     if (state == TrackingState::kInitialising) {
@@ -193,13 +199,13 @@ struct Tracker::State {
     relocation.distrust(utime, dt, scan, odometer, attempt.health.energy);
   }
 
-  void believe(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt, double contradicted) {
+  void believe(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) {
     odometer.accept(attempt);
     distrusted_scans = 0;
     looks_alike = false;
-    last_trusted = sighting(utime, scan, odometer.state(), last_trusted, contradicted);
+    last_trusted = sighting(utime, scan, odometer.state());
     // What the map explains little of, a crowd or dust, may be gone the next moment.
-    if (attempt.health.share < kDegradedShare) last_trusted.forget_view();
+    if (attempt.health.share < kDegradedShare) last_trusted.rays = {};
     state = TrackingState::kTracking;
     relocation.end();
     if (quiet_scans_left > 0) {
@@ -242,7 +248,7 @@ struct Tracker::State {
     if (jumped) ++epoch;
     // On new ground it must grow at once, or the robot has left it.
     quiet_scans_left = usual_share(attempt.health) ? kQuietScans : 0;
-    believe(utime, scan, attempt, 0);
+    believe(utime, scan, attempt);
     describe(attempt, jumped ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
   }
 

@@ -223,10 +223,10 @@ TEST_CASE("a turn that no robot makes is not believed, however well its scan fit
   }
 }
 
-TEST_CASE("a place that looks like the expected one is not believed when doors have changed at once") {
-  const Pose start = at(1, 0.5, 0);
-  const auto scan = [&](int i, bool open) {
-    Scan seen = hall_scan(start, Vector6::Zero(), Drive::utime(i), static_cast<unsigned>(i));
+TEST_CASE("a place beside the way that looks alike is not believed when doors have changed at once") {
+  const Pose start = at(1, 0.5, 0), aside = at(1.03, 0.58, 0.02);
+  const auto scan = [&](int i, const Pose& pose, bool open) {
+    Scan seen = hall_scan(pose, Vector6::Zero(), Drive::utime(i), static_cast<unsigned>(i));
     for (std::size_t k = 0; k < seen.points.size(); ++k) {
       const float x = seen.points.x[k], y = seen.points.y[k];
       if (!open || (x < 10.9f && x > -12.9f) || std::abs(y) > 6) continue;
@@ -236,19 +236,31 @@ TEST_CASE("a place that looks like the expected one is not believed when doors h
     }
     return seen;
   };
-  Tracker tracker(TrackerConfig{});
-  for (int i = 0; i < 20; ++i) tracker.track(scan(i, true));
-  CHECK(tracker.track(scan(20, false)).state == TrackingState::kDegraded);
-  for (int i = 21; i < 30; ++i) CHECK(tracker.track(scan(i, false)).state == TrackingState::kRecovering);
-  CHECK(tracker.track(scan(30, true)).state == TrackingState::kRecovering);  // there may be two such doors
+  const auto tracker_there = [&] {
+    auto tracker = std::make_unique<Tracker>(TrackerConfig{});
+    for (int i = 0; i < 20; ++i) tracker->track(scan(i, start, true));
+    return tracker;
+  };
+  const auto unchanged = tracker_there();
+  for (int i = 20; i < 25; ++i)
+    CHECK(unchanged->track(scan(i, aside, true)).state == TrackingState::kTracking);
+  const auto passed_by = tracker_there();
+  for (int i = 20; i < 25; ++i)
+    CHECK(passed_by->track(scan(i, start, false)).state == TrackingState::kTracking);
+
+  const auto tracker = tracker_there();
+  CHECK(tracker->track(scan(20, aside, false)).state == TrackingState::kDegraded);
+  for (int i = 21; i < 30; ++i)
+    CHECK(tracker->track(scan(i, aside, false)).state == TrackingState::kRecovering);
+  CHECK(tracker->track(scan(30, start, true)).state == TrackingState::kRecovering);  // may be two such doors
   // A search that finds nothing better leaves it there.
-  std::optional<RecoveryRequest> request = tracker.take_request();
+  const std::optional<RecoveryRequest> request = tracker->take_request();
   REQUIRE(request);
   RecoveryAnswer nothing;
   nothing.serial = request->serial;
-  tracker.give(nothing);
+  tracker->give(nothing);
   TrackedScan last;
-  for (int i = 31; i < 37; ++i) last = tracker.track(scan(i, true));
+  for (int i = 31; i < 37; ++i) last = tracker->track(scan(i, start, true));
   CHECK(last.state == TrackingState::kTracking);
   CHECK(last.epoch == 0);
 }
