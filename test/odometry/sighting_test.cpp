@@ -1,0 +1,44 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/sighting.hpp"
+
+#include <doctest/doctest.h>
+
+#include "room.hpp"
+
+using namespace scanlock;
+
+namespace {
+
+PreparedScan prepared(const Pose& pose, const Vector6& twist, unsigned seed) {
+  PreparedScan scan;
+  scan.source = scan.rays = hall_scan(pose, twist, 0, seed).points;
+  return scan;
+}
+
+Vector6 turning(double yaw_rate) {
+  Vector6 twist = Vector6::Zero();
+  twist[5] = yaw_rate;
+  return twist;
+}
+
+}  // namespace
+
+TEST_CASE("a motion that changes from one scan to the next is no contradiction") {
+  const Pose here = Pose::Identity();
+  const Vector6 before = turning(-3), now = turning(3);
+  const Sighting last = sighting(0, prepared(here, before, 1), {here, before});
+  CHECK(contradiction(last, 100000, prepared(here, now, 2), {here, now}) < 0.02);
+  CHECK(contradiction(last, 100000, prepared(here, now, 2), {here, before}) > 0.05);  // not taken out
+}
+
+TEST_CASE("two places contradict, but for those who do not know what was there a moment ago") {
+  const Pose here = Pose::Identity(), other(Eigen::Translation3d(-6, 5, 0));
+  const PreparedScan first = prepared(here, Vector6::Zero(), 1), second = prepared(other, Vector6::Zero(), 2);
+  Sighting last = sighting(0, first, {here, Vector6::Zero()});
+  CHECK(contradiction(last, 100000, second, {other, Vector6::Zero()}) < 0.02);
+  CHECK(contradiction(last, 100000, second, {here, Vector6::Zero()}) > 3 * kMostContradiction);
+  CHECK(contradiction(last, 600000, second, {here, Vector6::Zero()}) == 0);
+  last.rays = {};
+  CHECK(contradiction(last, 100000, second, {here, Vector6::Zero()}) == 0);
+}
