@@ -49,7 +49,7 @@ struct MatchRegistration {
 
   std::vector<std::uint32_t> inliers;  ///< of target_from_source, ascending
   std::size_t matches = 0, matches_after_pruning = 0, nodes = 0, work = 0;  ///< work: matches looked at
-  double pruning_ms = 0, search_ms = 0, runner_up_ms = 0;  ///< CPU of this thread
+  double pruning_ms = 0, search_ms = 0, runner_up_ms = 0;                   ///< CPU of this thread
 };
 
 /// Maximum consensus registration of levelled point clouds from candidate matches (Cai et al., equation 3;

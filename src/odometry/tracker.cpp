@@ -27,7 +27,8 @@ constexpr double kWithinReach = 0.08, kWithinTurn = 5.0 * kDegree;
 // How far pose and velocity are from their prediction, squared: drives stay below 3, shakes below 25; kidnaps
 // to a place that looks alike had 35 and 190.
 constexpr double kUnusualGap = 10, kMostGap = 30;
-constexpr double kStrayGap = 1;         // kidnaps that nothing else tells of had 6 and more
+constexpr double kStrayGap =
+    1;  // lorries close by have 0.5, kidnaps that nothing else tells of mostly 6 and more
 constexpr double kDegradedShare = 0.4;  // of the points of a scan: fewer are explained
 constexpr int kQuietScans = 5;          // after that, before the map may grow
 constexpr int kAttitudes = 100;         // that the upward direction is averaged over
@@ -162,12 +163,13 @@ struct Tracker::State {
            !elsewhere(utime, scan, attempt);
   }
 
-  /// Another place explains a scan as well at times, but does not look the same in every direction from one
-  /// scan to the next. What passes close by hides as much, but does not put the robot aside of its way. The
-  /// motion of the first few scans is not known well enough to say.
+  /// Another place explains a scan about as well at times, but does not look the same in every direction from
+  /// one scan to the next. What passes close by hides as much, but neither puts the robot aside of its way
+  /// nor costs much. The motion of the first few scans is not known well enough to say.
   bool only_looks_alike(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) const {
-    if (attempt.health.young || (!looks_alike && gap(attempt) < kStrayGap)) return false;
-    return contradiction(last_trusted, utime, scan, attempt.alignment.moving) > kMostContradiction;
+    const bool strange = looks_alike || gap(attempt) > kStrayGap || attempt.health.score > kCalmScore;
+    return strange && !attempt.health.young &&
+           contradiction(last_trusted, utime, scan, attempt.alignment.moving) > kMostContradiction;
   }
 
   void track_on(std::int64_t utime, const PreparedScan& scan, double dt, const ScanPrior& hints,

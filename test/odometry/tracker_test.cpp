@@ -248,6 +248,16 @@ TEST_CASE("a place beside the way that looks alike is not believed when doors ha
   for (int i = 20; i < 25; ++i)
     CHECK(passed_by->track(scan(i, start, false)).state == TrackingState::kTracking);
 
+  const auto costly = tracker_there();  // straight ahead, but not quite the same
+  Scan other = scan(20, start, false);
+  for (std::size_t k = 0; k < other.points.size(); ++k) {
+    const float rough = 1 + 0.0025f * (static_cast<float>(k % 5) - 2);
+    for (auto* v : {&other.points.x, &other.points.y, &other.points.z}) (*v)[k] *= rough;
+  }
+  const TrackedScan first = costly->track(other);
+  CHECK(first.energy_score < 6);  // that alone would do
+  CHECK(first.state == TrackingState::kDegraded);
+
   const auto tracker = tracker_there();
   CHECK(tracker->track(scan(20, aside, false)).state == TrackingState::kDegraded);
   for (int i = 21; i < 30; ++i)
