@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "icp/scan_alignment.hpp"
 #include "odometry/scan_view.hpp"
 
 namespace scanlock {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "geometry/rigid.hpp"
-#include "odometry/motion_filter.hpp"
+#include "icp/scan_alignment.hpp"
 #include "odometry/scan_preparation.hpp"
 
 namespace scanlock {

@@ -32,12 +32,6 @@ MotionPrior weak_prior() {
   return prior;
 }
 
-Vector6 yaw(double angle) {
-  Vector6 xi = Vector6::Zero();
-  xi[5] = angle;
-  return xi;
-}
-
 }  // namespace
 
 TEST_CASE("the small rotations between two scans are recovered to one percent") {

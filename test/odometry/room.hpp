@@ -38,6 +38,13 @@ inline double hall_range(const Eigen::Vector3d& from, const Eigen::Vector3d& dir
   return nearest;
 }
 
+/// A turn, or a rate of turn, about the z axis alone.
+inline Vector6 yaw(double angle) {
+  Vector6 xi = Vector6::Zero();
+  xi[5] = angle;
+  return xi;
+}
+
 inline Scan hall_scan(const Pose& pose, const Vector6& twist, std::int64_t utime, unsigned seed,
                       double sweep_s = 0.1, int rays = 6000) {
   std::mt19937 rng(seed);

@@ -16,17 +16,11 @@ PreparedScan prepared(const Pose& pose, const Vector6& twist, unsigned seed) {
   return scan;
 }
 
-Vector6 turning(double yaw_rate) {
-  Vector6 twist = Vector6::Zero();
-  twist[5] = yaw_rate;
-  return twist;
-}
-
 }  // namespace
 
 TEST_CASE("a motion that changes from one scan to the next is no contradiction") {
   const Pose here = Pose::Identity();
-  const Vector6 before = turning(-3), now = turning(3);
+  const Vector6 before = yaw(-3), now = yaw(3);
   const Sighting last = sighting(0, prepared(here, before, 1), {here, before});
   CHECK(contradiction(last, 100000, prepared(here, now, 2), {here, now}) < 0.02);
   CHECK(contradiction(last, 100000, prepared(here, now, 2), {here, before}) > 0.05);  // not taken out

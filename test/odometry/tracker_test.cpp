@@ -39,10 +39,8 @@ class Drive {
   Vector6 velocity_;
 };
 
-Pose at(double x, double y, double yaw) {
-  Vector6 xi = Vector6::Zero();
-  xi[5] = yaw;
-  Pose pose = se3_exp(xi);
+Pose at(double x, double y, double heading) {
+  Pose pose = se3_exp(yaw(heading));
   pose.translation() << x, y, 0;
   return pose;
 }
