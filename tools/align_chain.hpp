@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "align_global.hpp"
+#include "align_input.hpp"
 #include "align_options.hpp"
 #include "align_report.hpp"
 #include "icp/cloud_chain.hpp"
@@ -33,9 +34,9 @@ inline std::optional<GlobalStart> global_link(const AlignOptions& options, Globa
                                               const std::string& target_path, const PointCloud& target) {
   if (!is_global(options.method) || target.empty()) return std::nullopt;
   GlobalStart link = search.next(source, target);
-  if (link.registration.verdict != GlobalVerdict::kCertain) {
-    const std::string words = source_path + " to " + target_path + ": " +
-                              verdict_name(link.registration.verdict) + ": " + link.registration.why;
+  const AlignVerdict verdict = verdict_of(link.registration);
+  if (verdict.least > options.accept) {
+    const std::string words = source_path + " to " + target_path + ": " + verdict.why;
     if (!options.json)
       throw std::runtime_error(words + "; --json goes on, --method robust-icp-plane trusts small motions");
     std::cerr << "scanlock-align: " << words << "\n";
@@ -64,7 +65,7 @@ inline Json link_json(const CloudAlignment& link, const std::optional<GlobalStar
 
 inline void print_chain(const AlignOptions& options, const Json& json, const Trajectory& trajectory) {
   if (options.json) {
-    std::cout << json.dump() << "\n";
+    print_json(json);
     return;
   }
   for (const StampedPose& stamped : trajectory) {
@@ -96,7 +97,7 @@ inline void run_chain(const AlignOptions& options) {
   Json links = Json::array();
   double length = 0;
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    PointCloud cloud = read_cloud(paths[i]);
+    PointCloud cloud = read_points(paths[i]);
     const std::optional<GlobalStart> global =
         global_link(options, search, paths[i], cloud, paths[i > 0 ? i - 1 : 0], before);
     std::optional<CloudAlignment> link;

@@ -8,13 +8,14 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <iostream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "align_report.hpp"
+#include "align_verdict.hpp"
+#include "command_line.hpp"
 #include "geometry/angles.hpp"
 #include "global/cpu_clock.hpp"
 #include "global/match_ransac.hpp"
@@ -29,6 +30,7 @@ struct AlignMatchesOptions {
   std::vector<double> up = {0, 0, 1};
   double tilt_degrees = 0;
   int threads = 1;
+  Acceptance accept = Acceptance::kCertain;
   bool no_pruning = false, ransac = false, json = false;
   MatchRegistrationOptions registration;
 };
@@ -41,11 +43,8 @@ inline bool wants_matches(int argc, char** argv) {
   return false;
 }
 
-/// -1 to go on, else the exit code.
-inline int parse_align_matches(int argc, char** argv, AlignMatchesOptions& options) {
-  CLI::App app{"Finds the levelled motion that holds most matches, with proof."};
+inline void declare_align_matches(CLI::App& app, AlignMatchesOptions& options) {
   app.footer("FILE: one match a line, px py pz qx qy qz, metres; # starts a comment.");
-  app.set_version_flag("-V,--version", std::string("scanlock-align ") + SCANLOCK_VERSION);
   app.add_option("--correspondences", options.file, "the candidate matches")->required();
   app.add_option("--epsilon", options.registration.epsilon, "largest residual of an inlier, metres")
       ->required();
@@ -60,29 +59,25 @@ inline int parse_align_matches(int argc, char** argv, AlignMatchesOptions& optio
   app.add_flag("--ransac", options.ransac, "for comparison: RANSAC with samples of two matches; no proof");
   app.add_option("--threads", options.threads, "taken for uniformity; the search runs in one thread")
       ->check(CLI::Range(1, 256).description(""));
+  add_accept_option(app, options.accept,
+                    "any: exit 0 also where the answer is not certified (default: certain)");
   app.add_flag("--json", options.json, "print one JSON object");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  const auto wrong = [](const std::string& sentence) {
-    std::cerr << "scanlock-align: " << sentence << "\n";
-    return 2;
-  };
+}
+
+/// Fills in what follows from the options; throws UsageError for what cannot be meant.
+inline void settle_align_matches(AlignMatchesOptions& options) {
   options.registration.prune = !options.no_pruning;
   options.registration.up = {options.up[0], options.up[1], options.up[2]};
   options.registration.tilt = options.tilt_degrees * kDegree;
   if (!(options.registration.epsilon > 0) || !std::isfinite(options.registration.epsilon))
-    return wrong("--epsilon: must be a number of metres above 0");
-  if (!(options.registration.budget_s >= 0)) return wrong("--budget: must be 0 seconds or more");
+    throw UsageError("--epsilon: must be a number of metres above 0");
+  if (!(options.registration.budget_s >= 0)) throw UsageError("--budget: must be 0 seconds or more");
   if (!options.registration.up.allFinite() || !(options.registration.up.norm() > 0))
-    return wrong("--up: must be a vector other than 0,0,0");
+    throw UsageError("--up: must be a vector other than 0,0,0");
   if (options.ransac && (options.tilt_degrees != 0 || options.registration.up != Eigen::Vector3d::UnitZ()))
-    return wrong("--ransac: takes no --tilt and no --up");
+    throw UsageError("--ransac: takes no --tilt and no --up");
   if (!(options.tilt_degrees >= 0 && options.tilt_degrees <= 20))
-    return wrong("--tilt: must be 0 to 20 degrees");
-  return -1;
+    throw UsageError("--tilt: must be 0 to 20 degrees");
 }
 
 inline Json align_matches_json(const MatchRegistration& found, const MatchRegistrationOptions& options,
@@ -134,38 +129,43 @@ inline MatchRegistration ransac_baseline(const Matches& matches, double epsilon)
   return result;
 }
 
-/// The whole program; returns its exit code.
-inline int align_matches(int argc, char** argv) {
-  AlignMatchesOptions options;
-  const int exit_code = parse_align_matches(argc, argv, options);
-  if (exit_code >= 0) return exit_code;
+inline AlignVerdict verdict_of(const MatchRegistration& found) {
+  if (found.certified) return {};
+  return {Acceptance::kAny, "not certified: the consensus is " + std::to_string(found.consensus) +
+                                ", and its upper bound " + std::to_string(found.upper_bound)};
+}
+
+inline int solve_matches(AlignMatchesOptions& options) {
+  settle_align_matches(options);
   using Clock = std::chrono::steady_clock;
   const auto since = [](Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   };
+  const Clock::time_point start = Clock::now();
+  const Matches matches = read_matches(options.file);
+  const double read_ms = since(start);
+  ProgressBar bar("scanlock-align: consensus found, of what may be");
+  options.registration.progress = [&](int consensus, int upper_bound) {
+    bar.update(static_cast<std::uint64_t>(consensus), static_cast<std::uint64_t>(upper_bound));
+  };
+  MatchRegistration found;
   try {
-    const Clock::time_point start = Clock::now();
-    const Matches matches = read_matches(options.file);
-    const double read_ms = since(start);
-    ProgressBar bar("scanlock-align: consensus found, of what may be");
-    options.registration.progress = [&](int consensus, int upper_bound) {
-      bar.update(static_cast<std::uint64_t>(consensus), static_cast<std::uint64_t>(upper_bound));
-    };
-    MatchRegistration found;
-    try {
-      found = options.ransac ? ransac_baseline(matches, options.registration.epsilon)
-                             : register_matches(matches, options.registration);
-    } catch (const std::invalid_argument& error) {
-      throw std::runtime_error(options.file + ": " + error.what());
-    }
-    Json json = align_matches_json(found, options.registration, read_ms, since(start));
-    if (options.ransac) json["stop_reason"] = "samples";
-    print_result(json, options.json);
-  } catch (const std::exception& error) {
-    std::cerr << "scanlock-align: " << error.what() << "\n";
-    return 1;
+    found = options.ransac ? ransac_baseline(matches, options.registration.epsilon)
+                           : register_matches(matches, options.registration);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(options.file + ": " + error.what());
   }
-  return 0;
+  Json json = align_matches_json(found, options.registration, read_ms, since(start));
+  if (options.ransac) json["stop_reason"] = "samples";
+  print_result(json, options.json);
+  return judge(verdict_of(found), options.accept);
+}
+
+/// The whole program; returns its exit code.
+inline int align_matches(int argc, char** argv) {
+  return run_program<AlignMatchesOptions>("scanlock-align",
+                                          "Finds the levelled motion that holds most matches, with proof.",
+                                          argc, argv, declare_align_matches, solve_matches);
 }
 
 }  // namespace scanlock

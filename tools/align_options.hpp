@@ -5,12 +5,13 @@
 
 #include <CLI/CLI.hpp>
 #include <Eigen/Core>
-#include <iostream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "align_global.hpp"
+#include "align_verdict.hpp"
+#include "command_line.hpp"
 #include "icp/cloud_alignment.hpp"
 
 namespace scanlock {
@@ -24,7 +25,8 @@ struct AlignOptions {
   double voxel = -1;  // negative: not given
   double nu_max = 0, nu_min = 0;
   int threads = 1;
-  bool thorough = false, chain = false, json = false;
+  Acceptance accept = Acceptance::kCertain;
+  bool thorough = false, chain = false, json = false, force = false;
 };
 
 inline constexpr const char* kAlignFooter =
@@ -43,19 +45,16 @@ symmetric-icp, robust-symmetric-icp        the same with the normals of both clo
 
 scanlock-align --correspondences FILE --epsilon METRES solves a file of candidate matches instead; see its --help.)";
 
-/// -1 to go on, else the exit code.
-inline int parse_align_options(int argc, char** argv, AlignOptions& options) {
-  CLI::App app{"Aligns SOURCE to TARGET."};
+inline void declare_align_options(CLI::App& app, AlignOptions& options) {
   app.footer(kAlignFooter);
-  app.set_version_flag("-V,--version", std::string("scanlock-align ") + SCANLOCK_VERSION);
   app.add_option("SOURCE", options.source, "the cloud to move")->required();
   app.add_option("TARGET", options.target, "the cloud to move it to")->required();
   app.add_option("MORE", options.more, "with --chain: further clouds");
   app.add_flag(
       "--chain", options.chain,
       "register each cloud to the one before it; --output is the map, thinned like the clouds. With 4dof "
-      "a pair that is not certain ends it (exit 1); with --json it goes on, and the verdict is in the "
-      "pair's link");
+      "a pair whose verdict --accept does not take ends it (exit 1); with --json it goes on, and the "
+      "verdict is in the pair's link");
   app.add_option("--poses", options.poses,
                  "with --chain: write the poses here, TUM, stamped 0, 1, 2, ..., in the frame of the first");
   app.add_option("--method", options.method,
@@ -64,47 +63,47 @@ inline int parse_align_options(int argc, char** argv, AlignOptions& options) {
   app.add_option("--truth", options.truth, "compare the result with this transform");
   app.add_option("--voxel", options.voxel,
                  "thin both clouds to a point a voxel of so many metres; 0: all points (default: by itself)")
-      ->check(CLI::NonNegativeNumber.description(""));
+      ->check(number_from_zero(true));
   app.add_option("--up", options.up, "4dof: the vertical of both clouds (default: 0,0,1)")
       ->delimiter(',')
       ->expected(3);
   app.add_option("--epsilon", options.epsilon, "4dof: inlier threshold, metres (default: from the voxel)")
-      ->check(CLI::PositiveNumber.description(""));
+      ->check(number_from_zero(false));
   app.add_option("--nu-max", options.nu_max, "first scale, metres (default: three times the median residual)")
-      ->check(CLI::PositiveNumber.description(""));
+      ->check(number_from_zero(false));
   app.add_option("--nu-min", options.nu_min, "last scale, metres (default: from the sampling of the target)")
-      ->check(CLI::PositiveNumber.description(""));
+      ->check(number_from_zero(false));
   app.add_flag("--thorough", options.thorough,
                "use all points and the final tolerance at every scale, as the paper does");
   app.add_option("--threads", options.threads, "threads; the result does not depend on them (default: 1)")
       ->check(CLI::Range(1, 256).description(""));
   app.add_option("--output", options.output, "write the aligned source here");
   app.add_option("--picture", options.picture, "write an SVG picture here");
+  add_accept_option(app, options.accept,
+                    "which verdicts are exit 0: certain (the default; without 4dof: converged and not "
+                    "degenerate), ambiguous (or degenerate), too, or any");
+  app.add_flag("--force", options.force, "overwrite outputs that are there already");
   app.add_flag("--json", options.json, "print one JSON object");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+}
+
+/// Fills in what follows from other options; throws UsageError for those that do not go together.
+inline void settle_align_options(AlignOptions& options) {
   if (options.method.empty()) options.method = options.init.empty() ? "4dof+robust-icp" : "robust-icp-plane";
+  const Eigen::Vector3d up(options.up.data());
   for (const auto& [wrong, words] :
        {std::pair{is_global(options.method) && !options.init.empty(), "the methods of 4dof take no --init"},
-        std::pair{Eigen::Vector3d(options.up.data()).norm() < 1e-9, "--up must not be 0,0,0"},
+        std::pair{!up.allFinite() || !(up.norm() > 1e-9), "--up must be finite, and not 0,0,0"},
         std::pair{!options.chain && !options.more.empty(), "more than two clouds go with --chain"},
         std::pair{!options.chain && !options.poses.empty(), "--poses goes with --chain"},
         std::pair{options.chain && !(options.init + options.truth + options.picture).empty(),
                   "--init, --truth and --picture do not go with --chain"}}) {
-    if (!wrong) continue;
-    std::cerr << "scanlock-align: " << words << "\n";
-    return 2;
+    if (wrong) throw UsageError(words);
   }
   const std::string refining = refining_method(options.method);
-  if (refining.empty() || find_cloud_method(refining)) return -1;
+  if (refining.empty() || find_cloud_method(refining)) return;
   std::string names = " 4dof 4dof+robust-icp 4dof+robust-icp-plane";
   for (const std::string& name : cloud_method_names()) names += " " + name;
-  std::cerr << "scanlock-align: --method " << options.method << " is not known here; known are" << names
-            << "\n";
-  return 2;
+  throw UsageError("--method " + options.method + " is not known here; known are" + names);
 }
 
 inline CloudAlignmentOptions alignment_options(const AlignOptions& options) {

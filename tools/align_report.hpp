@@ -12,6 +12,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "command_line.hpp"
 #include "geometry/moved_cloud.hpp"
 
 namespace scanlock {
@@ -60,7 +61,7 @@ inline Json axis_names(std::uint32_t axes) {
 /// on standard error.
 inline void print_result(const Json& json, bool as_json) {
   if (as_json) {
-    std::cout << json.dump() << "\n";
+    print_json(json);
     return;
   }
   const auto& t = json["transform"];

@@ -4,9 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <exception>
-#include <fstream>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -14,15 +11,19 @@
 
 #include "align_chain.hpp"
 #include "align_global.hpp"
+#include "align_input.hpp"
 #include "align_matches.hpp"
 #include "align_options.hpp"
 #include "align_report.hpp"
+#include "align_verdict.hpp"
+#include "command_line.hpp"
 #include "evaluation/alignment_picture.hpp"
 #include "geometry/angles.hpp"
 #include "icp/cloud_alignment.hpp"
 #include "icp/cloud_thinning.hpp"
 #include "io/cloud_file.hpp"
 #include "io/file_bytes.hpp"
+#include "io/output_files.hpp"
 #include "io/progress_bar.hpp"
 
 namespace {
@@ -32,29 +33,6 @@ using namespace scanlock;
 struct Milliseconds {
   double read = 0, normals = 0, index = 0, solve = 0, total = 0;
 };
-
-Pose read_transform(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error(path + ": cannot be read");
-  Eigen::Matrix4d m;
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) {
-      if (!(file >> m(row, column)) || !std::isfinite(m(row, column)))
-        throw std::runtime_error(path + ": row " + std::to_string(row + 1) + ", number " +
-                                 std::to_string(column + 1) +
-                                 ": a transform is 16 numbers, four rows of four");
-    }
-  }
-  const Eigen::Matrix3d r = m.topLeftCorner<3, 3>();
-  if ((r * r.transpose() - Eigen::Matrix3d::Identity()).norm() > 1e-3 || r.determinant() < 0 ||
-      (m.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() > 1e-9)
-    throw std::runtime_error(
-        path + ": not a rigid transform (rows of R are not orthonormal, or the last row is not 0 0 0 1)");
-  Pose pose = Pose::Identity();
-  pose.linear() = r;
-  pose.translation() = m.topRightCorner<3, 1>();
-  return renormalised(pose);
-}
 
 /// Equation 12.
 double rmse(const PointCloud& cloud, const Pose& a, const Pose& b) {
@@ -167,12 +145,13 @@ CloudAlignment refine(const AlignOptions& options, const CloudMethod& method, co
   }
 }
 
-void run(const AlignOptions& options) {
+int run(const AlignOptions& options) {
   const std::string refining = refining_method(options.method);
   Stopwatch whole, watch;
   Milliseconds ms;
-  PointCloud source = read_cloud(options.source), target = read_cloud(options.target);
+  PointCloud source = read_points(options.source), target = read_points(options.target);
   Pose start = options.init.empty() ? Pose::Identity() : read_transform(options.init);
+  const Pose truth = options.truth.empty() ? Pose::Identity() : read_transform(options.truth);
   ms.read = watch.lap();
   std::optional<GlobalStart> global;
   if (is_global(options.method)) {
@@ -195,8 +174,7 @@ void run(const AlignOptions& options) {
   ms.total = whole.lap();
   Json json = result_json(options, result, sizes, ms);
   if (global) add_global(*global, &json);
-  if (!options.truth.empty())
-    add_truth(source, result.target_from_source, read_transform(options.truth), &json);
+  if (!options.truth.empty()) add_truth(source, result.target_from_source, truth, &json);
   if (!options.output.empty()) write_cloud(options.output, moved(source, result.target_from_source));
   if (!options.picture.empty()) {
     write_file_bytes(options.picture,
@@ -204,20 +182,30 @@ void run(const AlignOptions& options) {
                                     options.method}));
   }
   print_result(json, options.json);
+  return judge(global ? verdict_of(global->registration) : verdict_of(result), options.accept);
+}
+
+RunFiles files_of(const AlignOptions& options) {
+  RunFiles files{{options.source, options.target, options.init, options.truth},
+                 {options.output, options.picture, options.poses},
+                 ""};
+  files.inputs.insert(files.inputs.end(), options.more.begin(), options.more.end());
+  return files;
+}
+
+int align(AlignOptions& options) {
+  settle_align_options(options);
+  check_outputs(files_of(options), options.force);
+  if (!options.output.empty()) check_cloud_path(options.output);
+  if (!options.chain) return run(options);
+  run_chain(options);
+  return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   if (wants_matches(argc, argv)) return align_matches(argc, argv);
-  AlignOptions options;
-  const int exit_code = parse_align_options(argc, argv, options);
-  if (exit_code >= 0) return exit_code;
-  try {
-    options.chain ? run_chain(options) : run(options);
-  } catch (const std::exception& error) {
-    std::cerr << "scanlock-align: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return run_program<AlignOptions>("scanlock-align", "Aligns SOURCE to TARGET.", argc, argv,
+                                   declare_align_options, align);
 }

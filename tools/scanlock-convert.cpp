@@ -3,7 +3,6 @@
 // Scans and trajectories between LCM logs and files.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -11,8 +10,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "command_line.hpp"
+#include "io/lcm_log.hpp"
 #include "io/log_info.hpp"
 #include "io/log_poses.hpp"
+#include "io/output_files.hpp"
 #include "io/progress_bar.hpp"
 #include "io/scan_log.hpp"
 #include "io/trajectory_source.hpp"
@@ -25,7 +27,7 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string input, output, channel, type = "pointcloud2";
   ScanDirectory::Clock clock;
-  bool info = false, json = false;
+  bool info = false, json = false, force = false;
 };
 
 constexpr const char* kFooter = R"(What is done depends on IN and OUT:
@@ -43,10 +45,8 @@ Stamps: with times.txt, utime is that time in microseconds; without it (and for 
 has no times) scan n is stamped n periods after zero. --utime moves zero to US; by default zero is utime 1000000,
 and 0 when times.txt begins later than zero. The log's events carry the scans' own utime.)";
 
-int usage(int argc, char** argv, Options& options) {
-  CLI::App app{"Scans and trajectories between LCM logs and files."};
+void declare(CLI::App& app, Options& options) {
   app.footer(kFooter);
-  app.set_version_flag("-V,--version", std::string("scanlock-convert ") + SCANLOCK_VERSION);
   app.add_option("IN", options.input, "a directory of scans, an LCM log or a trajectory")->required();
   app.add_option("OUT", options.output, "an LCM log, a new directory or a trajectory");
   app.add_option("--channel", options.channel,
@@ -55,19 +55,12 @@ int usage(int argc, char** argv, Options& options) {
       ->check(CLI::IsMember({"pointcloud2", "pointcloud", "drake", "sectors", "planar"}));
   app.add_option("--period", options.clock.period_s,
                  "seconds from scan to scan without times.txt (default: 0.1)")
-      ->check(CLI::PositiveNumber);
+      ->check(number_from_zero(false));
   app.add_option("--utime", options.clock.zero_utime, "microseconds: the utime of time zero")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_from_zero(true));
   app.add_flag("--info", options.info, "tell what is in the log IN");
+  app.add_flag("--force", options.force, "overwrite an OUT that is there already");
   app.add_flag("--json", options.json, "print one JSON object");
-  try {
-    app.parse(argc, argv);
-    if (options.info && !options.output.empty()) throw CLI::ValidationError("--info takes no OUT");
-    if (!options.info && options.output.empty()) throw CLI::ValidationError("OUT is missing (or --info)");
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  return -1;
 }
 
 void warn(const Options& options, const std::string& what) {
@@ -90,15 +83,13 @@ void report_scans(const Options& options, const ScanConversion& result, const st
     warn(options, std::to_string(result.incomplete) + " scans lack some of their sectors");
   if (!result.damage.empty()) warn(options, result.damage);
   if (options.json)
-    std::cout << Json{{"scans", result.scans},
-                      {"points", result.points},
-                      {"left_out_points", result.left_out_points},
-                      {"rejected", result.rejected},
-                      {"incomplete", result.incomplete},
-                      {"channel", channel},
-                      {"output", options.output}}
-                     .dump()
-              << "\n";
+    print_json(Json{{"scans", result.scans},
+                    {"points", result.points},
+                    {"left_out_points", result.left_out_points},
+                    {"rejected", result.rejected},
+                    {"incomplete", result.incomplete},
+                    {"channel", channel},
+                    {"output", options.output}});
   else
     std::cout << result.scans << " scans, " << result.points << " points, channel " << channel << " -> "
               << options.output << "\n";
@@ -121,7 +112,9 @@ void convert_directory(const Options& options) {
 void convert_log_scans(const Options& options) {
   const std::string channel = channel_or(options, "LIDAR");
   ProgressBar bar("log");
-  report_scans(options, log_to_directory(options.input, channel, options.output, shown_by(bar)), channel);
+  report_scans(options,
+               log_to_directory(options.input, channel, options.output, shown_by(bar), options.force),
+               channel);
 }
 
 Json info_json(const Options& options, const LogInfo& info) {
@@ -147,13 +140,14 @@ Json info_json(const Options& options, const LogInfo& info) {
 }
 
 void show_info(const Options& options) {
+  check_log(options.input);
   LogInfo info;
   {
     ProgressBar bar("log");
     info = inspect_log(options.input, shown_by(bar));
   }
   if (options.json) {
-    std::cout << info_json(options, info).dump() << "\n";
+    print_json(info_json(options, info));
     return;
   }
   std::printf("%s: %zu events, %.3f s\n", options.input.c_str(), info.events, info.duration_s);
@@ -192,36 +186,38 @@ void convert_trajectory(const Options& options) {
     write_kitti(options.output, loaded.trajectory);
   }
   if (options.json)
-    std::cout << Json{{"poses", loaded.trajectory.size()}, {"output", options.output}}.dump() << "\n";
+    print_json(Json{{"poses", loaded.trajectory.size()}, {"output", options.output}});
   else
     std::cout << loaded.trajectory.size() << " poses -> " << options.output << "\n";
 }
 
 void run(const Options& options) {
   namespace fs = std::filesystem;
-  if (!fs::exists(options.input)) throw std::runtime_error(options.input + ": no such file or directory");
+  if (options.info && !options.output.empty()) throw UsageError("--info takes no OUT");
+  if (!options.info && options.output.empty()) throw UsageError("OUT is missing (or --info)");
+  std::error_code error;
+  if (!fs::exists(options.input, error))
+    throw std::runtime_error(options.input + ": " + (error ? error.message() : "no such file or directory"));
   if (options.info) return show_info(options);
-  if (fs::is_directory(options.input)) return convert_directory(options);
+  const bool directory = fs::is_directory(options.input), log = !directory && is_log(options.input);
   const fs::path extension = fs::path(options.output).extension();
   const bool to_trajectory = extension == ".tum" || extension == ".kitti" || extension == ".txt";
-  if (is_log(options.input)) return to_trajectory ? convert_trajectory(options) : convert_log_scans(options);
-  if (!to_trajectory)
+  if (!directory && !log && !to_trajectory)
     throw std::runtime_error(options.output + ": name a trajectory .tum, .kitti or .txt (" + options.input +
                              " is neither a directory nor an LCM log)");
-  convert_trajectory(options);
+  const bool to_directory = log && !to_trajectory;
+  check_outputs({{options.input}, {to_directory ? "" : options.output}, to_directory ? options.output : ""},
+                options.force);
+  if (directory) return convert_directory(options);
+  to_directory ? convert_log_scans(options) : convert_trajectory(options);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  Options options;
-  const int exit_code = usage(argc, argv, options);
-  if (exit_code >= 0) return exit_code;
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::cerr << "scanlock-convert: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return run_program<Options>("scanlock-convert", "Scans and trajectories between LCM logs and files.", argc,
+                              argv, declare, [](const Options& options) {
+                                run(options);
+                                return 0;
+                              });
 }

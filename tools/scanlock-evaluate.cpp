@@ -3,15 +3,16 @@
 // Trajectory errors as numbers and as a picture.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 
+#include "command_line.hpp"
 #include "evaluation/log_states.hpp"
 #include "evaluation/report.hpp"
 #include "io/file_bytes.hpp"
+#include "io/output_files.hpp"
 #include "io/trajectory_source.hpp"
 
 namespace {
@@ -23,7 +24,7 @@ struct Options {
   std::string estimate, reference, picture, html;
   std::string align = "none";
   double tolerance_s = kDefaultTimeTolerance;
-  bool json = false;
+  bool json = false, force = false;
 };
 
 constexpr const char* kFooter =
@@ -44,26 +45,19 @@ over the poses before the first kidnap, orientations too. wrong_jumps: times the
 2 m off by a jump; known for a log with scanlock.odometry_t on SCANLOCK_ODOMETRY, else null.
 KITTI: stretches of 100 to 800 m from every tenth pose, as the development kit averages them.)";
 
-int usage(int argc, char** argv, Options& options) {
-  CLI::App app{"Trajectory errors as numbers and as a picture."};
+void declare(CLI::App& app, Options& options) {
   app.footer(kFooter);
-  app.set_version_flag("-V,--version", std::string("scanlock-evaluate ") + SCANLOCK_VERSION);
   app.add_option("ESTIMATE", options.estimate, "the trajectory to judge")->required();
   app.add_option("REFERENCE", options.reference, "the trajectory to judge it by")->required();
   app.add_option("--align", options.align, "how the estimate is laid over the reference (default: none)")
       ->check(CLI::IsMember({"none", "yaw", "se3"}));
   app.add_option("--tolerance", options.tolerance_s,
                  "seconds between two poses of one instant (default: 0.01)")
-      ->check(CLI::PositiveNumber.description(""));
+      ->check(number_from_zero(false));
   app.add_option("--picture", options.picture, "write an SVG picture here");
   app.add_option("--html", options.html, "write a page with the picture and the numbers here");
+  app.add_flag("--force", options.force, "overwrite outputs that are there already");
   app.add_flag("--json", options.json, "print one JSON object");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  return -1;
 }
 
 LoadedTrajectory load(const std::string& source) {
@@ -128,6 +122,10 @@ Json result_json(const Comparison& comparison) {
 }
 
 void run(const Options& options) {
+  check_outputs({{trajectory_file(options.estimate), trajectory_file(options.reference)},
+                 {options.picture, options.html},
+                 ""},
+                options.force);
   const LoadedTrajectory estimate = load(options.estimate);
   LoadedTrajectory reference = load(options.reference);
   if (reference.has_times) sort_by_time(reference.trajectory);
@@ -148,7 +146,7 @@ void run(const Options& options) {
   if (!options.picture.empty()) write_file_bytes(options.picture, trajectory_svg(comparison));
   if (!options.html.empty()) write_file_bytes(options.html, trajectory_html(comparison));
   if (options.json) {
-    std::cout << result_json(comparison).dump() << "\n";
+    print_json(result_json(comparison));
     return;
   }
   for (const auto& [what, value] : result_rows(comparison))
@@ -158,14 +156,9 @@ void run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Options options;
-  const int exit_code = usage(argc, argv, options);
-  if (exit_code >= 0) return exit_code;
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::cerr << "scanlock-evaluate: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return run_program<Options>("scanlock-evaluate", "Trajectory errors as numbers and as a picture.", argc,
+                              argv, declare, [](const Options& options) {
+                                run(options);
+                                return 0;
+                              });
 }

@@ -4,13 +4,18 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "command_line.hpp"
 #include "daemon/config.hpp"
 #include "daemon/replay.hpp"
 #include "daemon/statistics.hpp"
+#include "io/cloud_file.hpp"
+#include "io/output_files.hpp"
 #include "io/progress_bar.hpp"
 #include "io/trajectory.hpp"
 
@@ -20,14 +25,45 @@ using namespace scanlock;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  ReplayOptions replay;
-  std::string config_path, tum_path, kitti_path;
+  std::string log_path, output_path, map_path, config_path, tum_path, kitti_path;
   std::vector<std::string> channels;
   int threads = 0;
-  bool json = false;
+  bool json = false, force = false;
 };
 
-Json summary(const ReplayResult& result) {
+/// What a replay led to.
+struct Result {
+  Trajectory trajectory;  // of every scan that has a pose, predicted ones too
+  std::array<std::int64_t, 6> states{};
+  std::int64_t recoveries = 0, false_starts = 0;
+  double distance_m = 0;
+  std::vector<double> scan_ms;  // wall clock, each scan
+
+  void note(const FinishedScan& finished, double ms) {
+    const TrackedScan& tracked = finished.tracked;
+    scan_ms.push_back(ms);
+    if (tracked.verdict != ScanVerdict::kTracked && tracked.method == PoseMethod::kNone) return;
+    ++states[static_cast<std::size_t>(tracked.state)];
+    const bool recovered = tracked.recovery && tracked.recovery->accepted;
+    recoveries += recovered ? 1 : 0;
+    if (tracked.epoch != epoch_ && !recovered) ++false_starts;
+    if (!trajectory.empty() && tracked.epoch == epoch_)
+      distance_m += (tracked.map_from_body.translation() - trajectory.back().pose.translation()).norm();
+    epoch_ = tracked.epoch;
+    trajectory.push_back({static_cast<double>(tracked.utime) * 1e-6, tracked.map_from_body});
+  }
+
+ private:
+  std::uint32_t epoch_ = 0;
+};
+
+/// Where nobody asked for messages.
+class NoSink final : public MessageSink {
+ public:
+  void send(std::int64_t, const std::string&, const Bytes&) override {}
+};
+
+Json summary(const Result& result, const Counters& counters) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   const auto seconds = [](const timeval& t) {
@@ -36,7 +72,7 @@ Json summary(const ReplayResult& result) {
   const std::vector<double>& ms = result.scan_ms;
   const double sum = std::accumulate(ms.begin(), ms.end(), 0.0);
   const auto state = [&](TrackingState s) { return result.states[static_cast<std::size_t>(s)]; };
-  return {{"scans", result.scans},
+  return {{"scans", counters.received},
           {"poses", result.trajectory.size()},
           {"distance_m", result.distance_m},
           {"states",
@@ -48,8 +84,10 @@ Json summary(const ReplayResult& result) {
             {"initialising", state(TrackingState::kInitialising)}}},
           {"recoveries", result.recoveries},
           {"false_starts", result.false_starts},
-          {"rejected", result.rejected},
-          {"bad_times", result.bad_times},
+          {"used", counters.used},
+          {"rejected", counters.rejected()},
+          {"rejected_clock", counters.clock},
+          {"clock_steps", counters.clock_steps},
           {"ms",
            {{"p50", percentile(ms, 0.5)},
             {"p95", percentile(ms, 0.95)},
@@ -70,71 +108,102 @@ void print(const Json& s) {
             << ms["max"] << "; CPU " << s["cpu_s"] << " s, peak memory " << s["peak_rss_mb"] << " MB\n";
 }
 
-int run(const Options& options) {
+/// What a log is to blame for, each kind once, with its number and its first sentence.
+void print_faults(const Statistics& statistics) {
+  const Counters counters = statistics.report().counters;
+  const std::pair<std::int64_t Counters::*, const char*> kFaults[] = {
+      {&Counters::truncated, "messages rejected"},
+      {&Counters::unknown_type, "messages rejected"},
+      {&Counters::bad_size, "messages rejected"},
+      {&Counters::bad_field, "messages rejected"},
+      {&Counters::empty, "scans rejected"},
+      {&Counters::duplicate_time, "scans rejected"},
+      {&Counters::backward_time, "scans rejected"},
+      {&Counters::clock, "scans rejected"},
+      {&Counters::clock_steps, "steps of the clock"},
+      {&Counters::two_publishers, "signs of two publishers"},
+      {&Counters::without_time, "scans without a stamp"},
+      {&Counters::without_point_times, "scans without times of points"},
+      {&Counters::incomplete, "scans incomplete"},
+      {&Counters::sectors_discarded, "sectors discarded"},
+      {&Counters::priors_rejected, "faults of the priors"},
+      {&Counters::priors_absent, "faults of the priors"},
+      {&Counters::priors_contradicting, "faults of the priors"},
+      {&Counters::commands_rejected, "commands rejected"}};
+  for (const auto& [counter, words] : kFaults) {
+    const std::string first = statistics.first_complaint(counter);
+    if (!first.empty())
+      std::cerr << "scanlock-odometry: " << counters.*counter << " " << words << "; the first: " << first
+                << "\n";
+  }
+}
+
+Config configured(const Options& options) {
   Config config = options.config_path.empty() ? Config{} : load_config(options.config_path);
   if (!options.channels.empty()) config.daemon.scan_channels = options.channels;
   if (options.threads > 0) config.tracker.threads = options.threads;
+  config.daemon.map.file.clear();  // a robot's map is not touched by a replay of its log
   check_config(config);
-  ReplayResult result;
+  return config;
+}
+
+int run(const Options& options) {
+  check_outputs({{options.log_path, options.config_path},
+                 {options.tum_path, options.kitti_path, options.output_path, options.map_path},
+                 ""},
+                options.force);
+  if (!options.map_path.empty()) check_cloud_path(options.map_path);
+  check_log(options.log_path);
+  const Config config = configured(options);
+  Statistics statistics([](LogLevel, const std::string&) {});
+  std::unique_ptr<MessageSink> sink = std::make_unique<NoSink>();
+  if (!options.output_path.empty())
+    sink = std::make_unique<LogSink>(options.output_path, LogWriter::Mode::kCreate);
+  Replay replay({options.log_path, 0, 0}, config, SCANLOCK_VERSION, statistics, *sink);
+  Result result;
   {
     ProgressBar bar("odometry");
-    result = replay_log(options.replay, config,
-                        [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); });
+    replay.run(
+        StopSignal(), [&](const FinishedScan& finished, double ms) { result.note(finished, ms); },
+        [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); });
   }
-  if (!result.damage.empty()) std::cerr << "scanlock-odometry: " << result.damage << "\n";
-  if (result.rejected > 0) {
-    std::cerr << "scanlock-odometry: " << result.rejected
-              << " messages hold no scan; the first: " << result.first_error << "\n";
-  }
-  if (result.prior_faults > 0) {
-    std::cerr << "scanlock-odometry: " << result.prior_faults
-              << " faults of the priors; the first: " << result.first_prior_fault << "\n";
-  }
-  if (result.scans == 0) {
-    std::string names;
-    for (const std::string& channel : config.daemon.scan_channels) names += " " + channel;
-    throw std::runtime_error(options.replay.log_path + ": no scan on channel" + names +
-                             "; `scanlock-convert LOG --info` lists the channels, --scan-channel chooses");
-  }
+  sink->close();
+  const std::string why = replay.why_no_scan(), damage = replay.damage();
+  if (!why.empty()) throw std::runtime_error(why + (damage.empty() ? "" : " (" + damage + ")"));
+  if (!options.map_path.empty()) write_cloud(options.map_path, replay.map());
   if (!options.tum_path.empty()) write_tum(options.tum_path, result.trajectory);
   if (!options.kitti_path.empty()) write_kitti(options.kitti_path, result.trajectory);
-  const Json s = summary(result);
+  if (!damage.empty()) std::cerr << "scanlock-odometry: " << damage << "\n";
+  print_faults(statistics);
+  const Json s = summary(result, statistics.report().counters);
   if (options.json)
-    std::cout << s.dump() << "\n";
+    print_json(s);
   else
     print(s);
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  Options options;
-  CLI::App app("LiDAR odometry over an LCM log: every scan, in order, as fast as the machine goes.",
-               "scanlock-odometry");
-  app.set_help_flag("-h,--help", "Print this help message and exit");
-  app.set_version_flag("-V,--version", SCANLOCK_VERSION);
-  app.add_option("LOG", options.replay.log_path, "LCM log with scans")->required();
+void declare(CLI::App& app, Options& options) {
+  app.add_option("LOG", options.log_path, "LCM log with scans")->required();
   app.add_option("-c,--config", options.config_path, "Configuration (TOML), as scanlockd reads it");
   app.add_option("--scan-channel", options.channels,
                  "Channel of the scans; may be given again (default LIDAR)")
       ->allow_extra_args(false);
   app.add_option("--threads", options.threads, "Worker threads; the result does not depend on it")
-      ->check(CLI::PositiveNumber);
+      ->check(number_from_zero(false));
   app.add_option("--poses", options.tum_path, "Write the trajectory (TUM)");
   app.add_option("--kitti", options.kitti_path, "Write the trajectory (KITTI)");
-  app.add_option("--output", options.replay.output_log_path, "Write poses and odometry messages (LCM log)");
-  app.add_option("--map", options.replay.map_path, "Write the map at the end (.ply)");
+  app.add_option("--output", options.output_path, "Write poses and odometry messages (LCM log)");
+  app.add_option("--map", options.map_path, "Write the map at the end (.ply)");
+  app.add_flag("--force", options.force, "Overwrite outputs that are there already");
   app.add_flag("--json", options.json, "Print one JSON object on standard output");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
-    return run(options);
-  } catch (const std::exception& error) {
-    std::cerr << "scanlock-odometry: " << error.what() << "\n";
-    return 1;
-  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return run_program<Options>(
+      "scanlock-odometry",
+      "LiDAR odometry over an LCM log: every scan, in order, as fast as the machine goes.", argc, argv,
+      declare, run);
 }

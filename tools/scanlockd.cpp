@@ -12,11 +12,14 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "command_line.hpp"
 #include "daemon/config.hpp"
 #include "daemon/daemon.hpp"
 #include "daemon/doctor.hpp"
 #include "daemon/lcm_url.hpp"
 #include "daemon/log.hpp"
+#include "io/lcm_log.hpp"
+#include "io/output_files.hpp"
 
 namespace {
 
@@ -26,14 +29,15 @@ struct Options {
   std::string config_path, url, out_url, pose_channel, map_file;
   std::vector<std::string> scan_channels;
   int threads = 0;
-  bool check = false, print = false, json = false;
+  bool check = false, print = false, json = false, force = false;
 };
 
 /// Turns SIGINT and SIGTERM into the stop signal. They are blocked in every thread, so that no system call of
 /// LCM is ever interrupted, and waited for in one.
 class SignalThread {
  public:
-  explicit SignalThread(StopSignal& stop) : stop_(stop) {
+  /// `unsaved`: there is a map to save, so that an end without it is a failure.
+  SignalThread(StopSignal& stop, bool unsaved) : stop_(stop), unsaved_(unsaved) {
     sigset_t signals;
     sigemptyset(&signals);
     sigaddset(&signals, SIGINT);
@@ -57,11 +61,14 @@ class SignalThread {
     // A clean end takes one scan and the saving of the map. Whatever holds it up (a peer that does not read,
     // a slow disk), a robot that shuts down does not wait for it.
     if (ended_.wait_for(std::chrono::milliseconds(900))) return;
-    log_line(LogLevel::kWarning, "ended without waiting for the scan at hand and the map");
-    std::_Exit(0);
+    log_line(LogLevel::kWarning, unsaved_
+                                     ? "ended without waiting for the scan at hand: the map was not saved"
+                                     : "ended without waiting for the scan at hand");
+    std::_Exit(unsaved_ ? 1 : 0);
   }
 
   StopSignal& stop_;
+  const bool unsaved_;
   StopSignal ended_;
   int signal_fd_ = -1;
   std::thread thread_;
@@ -110,17 +117,28 @@ int check(const Config& config, bool json) {
   if (isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "looking and listening for three seconds ...\n");
   const DoctorReport report = examine(config.daemon);
   if (json) {
-    std::cout << to_json(report).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    print_json(to_json(report));
   } else {
-    std::cout << print_report(report);
+    print(print_report(report));
   }
   return report.good() ? 0 : 1;
+}
+
+/// Before a log is opened for writing.
+void check_logs(const Options& options, const DaemonConfig& daemon) {
+  const std::string input = log_url_path(input_url(daemon)), url = output_url(daemon);
+  if (!input.empty()) check_log(input);
+  const std::string mode = url_option(url, "mode").value_or("r");
+  if (mode == "r") return;           // refused by the daemon
+  const bool appends = mode == "a";  // loses nothing
+  check_outputs({{options.config_path, input, daemon.map.file}, {log_url_path(url)}, ""},
+                options.force || appends);
 }
 
 int serve(const Config& config) {
   signal(SIGPIPE, SIG_IGN);  // a TCP peer that went away is an error of one publish, not the end
   StopSignal stop;
-  const SignalThread signals(stop);
+  const SignalThread signals(stop, !config.daemon.map.file.empty());
   std::string channels;
   for (const auto& channel : config.daemon.scan_channels) channels += " " + channel;
   log_line(LogLevel::kInfo, std::string("version ") + SCANLOCK_VERSION + ": scans from" + channels + " at " +
@@ -143,10 +161,7 @@ int serve(const Config& config) {
   return 0;
 }
 
-int run(int argc, char** argv) {
-  Options options;
-  CLI::App app{"LiDAR odometry on LCM: scans in, poses out."};
-  app.set_version_flag("-V,--version", std::string("scanlockd ") + SCANLOCK_VERSION);
+void declare(CLI::App& app, Options& options) {
   app.add_option("-c,--config", options.config_path, "configuration (TOML); --print-config shows all keys");
   app.add_option("-l,--lcm-url", options.url,
                  "LCM URL of the scans; default: LCM_DEFAULT_URL, else " + std::string(kDefaultUrl));
@@ -165,26 +180,23 @@ int run(int argc, char** argv) {
                "the doctor: would scans arrive here? exit 1 when some would be lost");
   app.add_flag("--print-config", options.print, "print the configuration as it stands, explained, and exit");
   app.add_flag("--json", options.json, "with --check: one JSON object on standard output");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  app.add_flag("--force", options.force, "overwrite the log that --out-url names, where it is there already");
+}
+
+int run(const Options& options) {
   const Config config = configured(options);
   if (options.print) {
-    std::cout << print_config(config) << std::flush;
-    return std::cout ? 0 : 1;
+    print(print_config(config));
+    return 0;
   }
-  return options.check ? check(config, options.json) : serve(config);
+  if (options.check) return check(config, options.json);
+  check_logs(options, config.daemon);
+  return serve(config);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "scanlockd: %s\n", error.what());
-    return 1;
-  }
+  return run_program<Options>("scanlockd", "LiDAR odometry on LCM: scans in, poses out.", argc, argv, declare,
+                              run);
 }

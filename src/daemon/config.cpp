@@ -12,6 +12,7 @@
 #include <fstream>
 
 #include "daemon/config_keys.hpp"
+#include "daemon/nearest_name.hpp"
 
 namespace scanlock {
 namespace {
@@ -120,32 +121,10 @@ void read_value(const toml::node& node, const ConfigKey& key, const std::string&
   }
 }
 
-/// Letters to insert, delete or replace to get from one word to the other.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row[b.size()];
-}
-
 [[noreturn]] void fail_unknown(const std::string& where, const std::string& name) {
-  std::string nearest;
-  std::size_t nearest_distance = 4;  // farther ones would be guesses
-  for (const auto& key : config_keys()) {
-    const std::size_t distance = edit_distance(name, full_name(key));
-    if (distance < nearest_distance) {
-      nearest_distance = distance;
-      nearest = full_name(key);
-    }
-  }
+  std::vector<std::string> known;
+  for (const auto& key : config_keys()) known.push_back(full_name(key));
+  const std::string nearest = nearest_name(name, known);
   fail(where, name,
        "unknown key; " + (nearest.empty() ? "scanlockd --print-config lists all of them"
                                           : "did you mean " + nearest + "?"));
@@ -245,10 +224,8 @@ Pose body_from_sensor(const MountConfig& mount) {
   constexpr double kRadiansPerDegree = 0.017453292519943295;
   Pose pose = Pose::Identity();
   pose.translation() = Eigen::Vector3d(mount.x_m, mount.y_m, mount.z_m);
-  pose.linear() = (Eigen::AngleAxisd(mount.yaw_deg * kRadiansPerDegree, Eigen::Vector3d::UnitZ()) *
-                   Eigen::AngleAxisd(mount.pitch_deg * kRadiansPerDegree, Eigen::Vector3d::UnitY()) *
-                   Eigen::AngleAxisd(mount.roll_deg * kRadiansPerDegree, Eigen::Vector3d::UnitX()))
-                      .toRotationMatrix();
+  pose.linear() = yaw_pitch_roll(mount.yaw_deg * kRadiansPerDegree, mount.pitch_deg * kRadiansPerDegree,
+                                 mount.roll_deg * kRadiansPerDegree);
   return pose;
 }
 
@@ -305,6 +282,15 @@ void check_channels(const DaemonConfig& daemon) {
 
 void check_config(const Config& config) {
   check_channels(config.daemon);
+  const TrackerConfig& tracker = config.tracker;
+  if (!(tracker.min_range_m < tracker.max_range_m))
+    fail("", "tracker.min_range_m",
+         to_text(tracker.min_range_m) + " m is not below tracker.max_range_m, " +
+             to_text(tracker.max_range_m) + " m: no point of a scan would be left");
+  if (!(tracker.min_voxel_m <= tracker.max_voxel_m))
+    fail("", "tracker.min_voxel_m",
+         to_text(tracker.min_voxel_m) + " m is above tracker.max_voxel_m, " + to_text(tracker.max_voxel_m) +
+             " m");
   Config copy = config;
   for (const auto& key : config_keys()) {
     std::visit([&](const auto& access) { check_value(key, access(copy), ""); }, key.access);

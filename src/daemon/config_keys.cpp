@@ -94,7 +94,6 @@ std::vector<ConfigKey> make_table() {
     TRACKER(max_keyframes, "keyframes", 1, 10000, "scans that the map is made of at most"),
     TRACKER(max_map_points, "points", 1000, 20000000, "points that the map holds at most"),
     TRACKER(max_archive_points, "points", 1000, 200000000, "points of all places that are remembered for coming back to, 12 bytes each; the oldest give way"),
-    TRACKER(restart_after_s, "s", 0, 1e6, "a scan earlier than its predecessor by more than this starts anew (a log that loops)"),
   };
 #undef TRACKER
   // clang-format on

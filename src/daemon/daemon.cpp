@@ -3,10 +3,11 @@
 #include "daemon/daemon.hpp"
 
 #include <future>
+#include <stdexcept>
 
 #include "daemon/lcm_url.hpp"
+#include "daemon/replay.hpp"
 #include "daemon/silence.hpp"
-#include "daemon/worker.hpp"
 
 namespace scanlock {
 namespace {
@@ -27,45 +28,82 @@ constexpr std::chrono::milliseconds kGlance{50};
 }  // namespace
 
 Daemon::Daemon(const Config& config, const std::string& version)
-    : config_(config), outputs_(config_.daemon, version, statistics_), inbox_(kMostCommands) {}
+    : config_(config), version_(version), inbox_(kMostCommands) {
+  check_url(input_url(config_.daemon));
+  sink_ = open_sink(output_url(config_.daemon), statistics_);
+}
 
-void Daemon::run(const StopSignal& stop) {
-  Worker worker(config_, inbox_, finished_, statistics_);
+void Daemon::run(StopSignal& stop) {
+  if (is_log_url(input_url(config_.daemon))) {
+    replay(stop);
+  } else {
+    serve(stop);
+  }
+  sink_->close();
+}
+
+void Daemon::replay(const StopSignal& stop) {
+  Replay replay(replay_options(input_url(config_.daemon)), config_, version_, statistics_, *sink_);
+  replay.run(stop, nullptr, nullptr);
+  if (const std::string damage = replay.damage(); !damage.empty()) statistics_.complain(damage);
+  if (const std::string why = replay.why_no_scan(); !why.empty() && !stop.requested())
+    throw std::runtime_error(why);
+}
+
+void Daemon::serve(StopSignal& stop) {
+  Pipeline pipeline(config_, statistics_, Pipeline::Mode::kLive);
   Receiver receiver(config_.daemon, inbox_, statistics_, stop);
-  std::future<void> receiving = std::async(std::launch::async, [&] {
+  // Whichever stage fails ends the others: none waits for ever for what does not come.
+  const auto guarded = [&](auto&& stage) {
     try {
-      receiver.run();
+      stage();
     } catch (...) {
-      inbox_.finish();
+      stop.request();
+      inbox_.close();
+      finished_.close();
       throw;
     }
+  };
+  std::future<void> receiving = std::async(std::launch::async, [&] { guarded([&] { receiver.run(); }); });
+  std::future<void> working = std::async(std::launch::async, [&] {
+    guarded([&] { work(pipeline); });
+    finished_.finish();
   });
-  std::future<void> working = std::async(std::launch::async, [&] { worker.run(); });
-  publish_until_the_end(stop);
+  guarded([&] { publish_until_the_end(stop); });
   working.get();
   receiving.get();
 }
 
+void Daemon::work(Pipeline& pipeline) {
+  while (const auto item = inbox_.take()) {
+    if (const auto* command = std::get_if<Command>(&*item))
+      pipeline.execute(*command);
+    else
+      finished_.put(pipeline.process(std::get<ReceivedScan>(*item)));
+    pipeline.save_map_when_due();
+  }
+  pipeline.finish();
+}
+
 void Daemon::publish_until_the_end(const StopSignal& stop) {
+  Outputs outputs(config_.daemon, version_, statistics_, *sink_, Pipeline::Mode::kLive);
   const auto period = std::chrono::duration_cast<Clock::duration>(
       std::chrono::duration<double>(config_.daemon.status_period_s));
   SilenceWatch silence(joined(config_.daemon.scan_channels), config_.daemon.silence_warning_s, Clock::now());
-  const bool live = !is_log_url(input_url(config_.daemon));  // a log waits as long as a scan takes
   auto next_status = Clock::now();
   while (!finished_.ended()) {
     if (stop.requested()) inbox_.close();  // the worker finishes the scan at hand, and no other
     const auto now = Clock::now();
     if (now >= next_status) {
-      outputs_.publish_status();
+      outputs.publish_status();
       next_status = now + period;
     }
-    if (const auto line = silence.look(statistics_.report().counters, now); line && live) {
-      log_line(line->warning ? LogLevel::kWarning : LogLevel::kInfo, line->text);
-    }
+    if (const auto line = silence.look(statistics_.report().counters, now))
+      statistics_.say(line->warning ? LogLevel::kWarning : LogLevel::kInfo, line->text);
     if (const auto finished = finished_.take_until(std::min(next_status, now + kGlance)))
-      outputs_.publish(*finished);
+      outputs.publish(*finished);
   }
-  outputs_.publish_status();  // the last word
+  outputs.publish_status();  // the last word
 }
 
 }  // namespace scanlock

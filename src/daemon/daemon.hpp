@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "daemon/config.hpp"
-#include "daemon/outputs.hpp"
+#include "daemon/message_sink.hpp"
+#include "daemon/pipeline.hpp"
 #include "daemon/receiver.hpp"
 #include "daemon/scan_slot.hpp"
 #include "daemon/statistics.hpp"
@@ -13,8 +15,10 @@
 
 namespace scanlock {
 
-/// Scans in, poses out. Three threads: one receives and keeps the freshest scan, one tracks, and the caller's
-/// own publishes everything. Each hands over through a place for one, so that nothing piles up.
+/// Scans in, poses out: the pipeline (Intake, Pipeline, Outputs) over a network or a log. Live it has three
+/// threads: one receives and keeps the freshest scan, one tracks, and the caller's own publishes everything;
+/// each hands over through a place for one, so that nothing piles up. A log is replayed in the caller's
+/// thread.
 class Daemon {
  public:
   /// `version` goes into the status. Throws ConfigError for a configuration that cannot work.
@@ -22,17 +26,22 @@ class Daemon {
 
   /// Runs until the stop signal, or to the end when the input is a log. On the stop signal the scan at hand
   /// is finished and published, and the map saved. Throws std::runtime_error with a sentence when the map or
-  /// a log cannot be read.
-  void run(const StopSignal& stop);
+  /// a log cannot be read or written, or where a log held no scan that could be used; then it has stopped
+  /// all.
+  void run(StopSignal& stop);
 
   Statistics::Report report() const { return statistics_.report(); }
 
  private:
+  void replay(const StopSignal& stop);
+  void serve(StopSignal& stop);
+  void work(Pipeline& pipeline);
   void publish_until_the_end(const StopSignal& stop);
 
   const Config config_;
+  const std::string version_;
   Statistics statistics_;
-  Outputs outputs_;
+  std::unique_ptr<MessageSink> sink_;
   WorkInbox inbox_;
   Slot<FinishedScan> finished_;
 };

@@ -42,7 +42,10 @@ class Listener {
     if (channel == "LCM_SELF_TEST" || (heard_.size() >= kMaxHeard && heard_.count(channel) == 0)) return;
     HeardChannel& heard = heard_[channel];
     heard.name = channel;
-    heard.type = name_of_type(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+    const std::uint64_t print =
+        message_fingerprint(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+    heard.type = name_of_type(print);
+    heard.holds_scans = is_scan_type(print);
     heard.largest_bytes = std::max<std::size_t>(heard.largest_bytes, buffer->data_size);
     ++heard.messages;
   }
@@ -65,8 +68,7 @@ class Listener {
   }
 
  private:
-  static std::string name_of_type(const std::uint8_t* data, std::size_t size) {
-    const std::uint64_t print = message_fingerprint(data, size);
+  static std::string name_of_type(std::uint64_t print) {
     if (const char* name = type_name(print)) return name;
     char text[24];
     std::snprintf(text, sizeof text, "0x%016llx", static_cast<unsigned long long>(print));
@@ -166,6 +168,21 @@ void examine_echo(lcm::LCM& lcm, Listener& listener, const std::string& channel,
                                             : buffer_remedy(report.url, wanted_receive_buffer(report.url)));
 }
 
+/// What other channels carry scans, for a sentence.
+std::string scans_elsewhere(const DoctorReport& report) {
+  std::string names;
+  for (const HeardChannel& heard : report.heard)
+    if (heard.holds_scans) names += (names.empty() ? "" : ", ") + heard.name + " (" + heard.type + ")";
+  return names.empty() ? ", and no other channel carries scans; is a driver publishing, on this URL?"
+                       : "; scans are on " + names;
+}
+
+std::string remedy_for_silence(const DoctorReport& report) {
+  for (const HeardChannel& heard : report.heard)
+    if (heard.holds_scans) return "scanlockd --scan-channel '" + heard.name + "'";
+  return "";
+}
+
 void examine_channels(lcm::LCM& lcm, Listener& listener, const DaemonConfig& config, DoctorReport& report) {
   listener.listen(lcm, kListen, 0);
   report.listened_s = std::chrono::duration<double>(kListen).count();
@@ -174,8 +191,13 @@ void examine_channels(lcm::LCM& lcm, Listener& listener, const DaemonConfig& con
     const auto heard = std::find_if(report.heard.begin(), report.heard.end(),
                                     [&](const HeardChannel& candidate) { return candidate.name == channel; });
     if (heard == report.heard.end()) {
-      add(report, Grade::kNote, "scans",
-          "nothing came on " + channel + " while listening; is a driver publishing there?");
+      add(report, Grade::kFault, "scans",
+          "nothing came on " + channel + " while listening" + scans_elsewhere(report),
+          remedy_for_silence(report));
+    } else if (!heard->holds_scans) {
+      add(report, Grade::kFault, "scans",
+          channel + " carries " + heard->type + ", which is no scan" + scans_elsewhere(report),
+          remedy_for_silence(report));
     } else {
       add(report, Grade::kGood, "scans",
           channel + " carries " + heard->type + ", up to " + std::to_string(heard->largest_bytes) + " bytes");
@@ -184,7 +206,7 @@ void examine_channels(lcm::LCM& lcm, Listener& listener, const DaemonConfig& con
 }
 
 void examine_log(const std::string& url, DoctorReport& report) {
-  const std::string path = url.substr(7, url.find('?') == std::string::npos ? url.npos : url.find('?') - 7);
+  const std::string path = log_url_path(url);
   if (std::ifstream(path).good()) {
     add(report, Grade::kGood, "log", path + " can be read; a replay loses nothing");
   } else {
@@ -245,8 +267,8 @@ std::string print_report(const DoctorReport& report) {
     out += "heard " + heard.name + ": " + std::to_string(heard.messages) + " messages of " + heard.type +
            ", up to " + std::to_string(heard.largest_bytes) + " bytes\n";
   }
-  return out +
-         (report.good() ? "scans will arrive\n" : "scans would be lost: run what stands below each FAULT\n");
+  return out + (report.good() ? "scans arrive\n"
+                              : "scans are missing or would be lost: see what stands at each FAULT\n");
 }
 
 }  // namespace scanlock

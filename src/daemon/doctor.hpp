@@ -12,7 +12,11 @@ namespace scanlock {
 
 /// One thing the doctor looked at.
 struct Finding {
-  enum class Grade { kGood, kNote, kFault };  ///< a note is worth knowing; with a fault, scans would be lost
+  enum class Grade {
+    kGood,
+    kNote,
+    kFault
+  };  ///< a note is worth knowing; with a fault, no or not all scans come
   Grade grade = Grade::kGood;
   std::string name;    ///< short and fixed, for scripts
   std::string detail;  ///< a sentence
@@ -21,6 +25,7 @@ struct Finding {
 
 struct HeardChannel {
   std::string name, type;  ///< the type's fingerprint when it is none of ours
+  bool holds_scans = false;
   int messages = 0;
   std::size_t largest_bytes = 0;
 };

@@ -13,9 +13,9 @@
 
 namespace scanlock {
 
-/// What waits for the worker, in the order of arrival: one scan at most, and a few commands. Live, a fresh
-/// scan replaces one that was not taken yet: LCM's own queue keeps the oldest and drops the newest, which
-/// makes poses late. In a replay, no scan is lost: the giver waits. A command is never lost to a scan.
+/// What waits for the worker, in the order of arrival: one scan at most, and a few commands. A fresh scan
+/// replaces one that was not taken yet: LCM's own queue keeps the oldest and drops the newest, which makes
+/// poses late. A command is never lost to a scan.
 template <typename Scan, typename Command>
 class Inbox {
  public:
@@ -33,11 +33,11 @@ class Inbox {
     return replaced;
   }
 
-  /// Waits until no scan waits, then puts `scan`; false when the inbox was closed instead.
-  bool put(Scan scan) {
-    std::unique_lock<std::mutex> lock(mutex_);
-    changed_.wait(lock, [this] { return closed_ || scan_place() == items_.end(); });
-    if (closed_) return false;
+  /// Puts `scan` at the end where no scan waits; false where one does. Dropped after `close`.
+  bool offer(Scan scan) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (closed_) return true;
+    if (scan_place() != items_.end()) return false;
     items_.emplace_back(std::move(scan));
     changed_.notify_all();
     return true;

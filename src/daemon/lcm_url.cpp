@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/lcm_url.hpp"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
@@ -38,6 +40,32 @@ bool is_multicast_url(const std::string& url) {
 }
 bool is_log_url(const std::string& url) {
   return starts_with(url, "file://");
+}
+
+std::string log_url_path(const std::string& url) {
+  if (!is_log_url(url)) return "";
+  const std::string path = url.substr(std::strlen("file://"));
+  return path.substr(0, path.find('?'));
+}
+
+void check_url(const std::string& url) {
+  const std::size_t provider_end = url.find("://");
+  const std::string provider = url.substr(0, provider_end);
+  if (provider_end == std::string::npos || (provider != "udpm" && provider != "mpudpm" &&
+                                            provider != "tcpq" && provider != "memq" && provider != "file"))
+    throw ConfigError(url +
+                      ": is no LCM URL; udpm://239.255.76.67:7667?ttl=0 (multicast), tcpq://HOST:PORT and "
+                      "file://PATH are");
+  if (is_log_url(url) && log_url_path(url).empty()) throw ConfigError(url + ": names no file");
+  if (!is_multicast_url(url)) return;
+  const MulticastEndpoint endpoint = multicast_endpoint(url);
+  in_addr address{};
+  if (inet_pton(AF_INET, endpoint.address.c_str(), &address) != 1)
+    throw ConfigError(url + ": \"" + endpoint.address + "\" is no IPv4 address");
+  const std::uint32_t first_byte = ntohl(address.s_addr) >> 24;
+  if (first_byte < 224 || first_byte > 239)
+    throw ConfigError(url + ": " + endpoint.address +
+                      " is no multicast group (224.0.0.0 to 239.255.255.255)");
 }
 
 std::optional<std::string> url_option(const std::string& url, const std::string& key) {

@@ -19,9 +19,14 @@ struct MulticastEndpoint {
 
 /// What a URL asks for, as LCM itself reads it: PROVIDER://NETWORK?KEY=VALUE&KEY=VALUE.
 bool is_multicast_url(const std::string& url);
-bool is_log_url(const std::string& url);  ///< file://, for reading or writing
+bool is_log_url(const std::string& url);           ///< file://, for reading or writing
+std::string log_url_path(const std::string& url);  ///< of a log; empty for another URL
+/// Throws ConfigError, with what is wrong, for a URL that can never work on any network: an unknown provider,
+/// no address, an address that is no multicast group, a port that is none. A host that cannot be reached may
+/// come.
+void check_url(const std::string& url);
 std::optional<std::string> url_option(const std::string& url, const std::string& key);
-/// Throws ConfigError when address or port is none.
+/// Throws ConfigError when the port is none.
 MulticastEndpoint multicast_endpoint(const std::string& url);
 
 /// The URL with which to receive: the configured one, else LCM_DEFAULT_URL, else kDefaultUrl; on multicast

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <string>
 
 namespace scanlock {
@@ -12,6 +13,9 @@ enum class LogLevel { kError = 3, kWarning = 4, kInfo = 6 };
 
 /// One line on standard error, in one write; control characters are replaced.
 void log_line(LogLevel level, const std::string& text);
+
+/// Where the sentences of a part of the daemon go: log_line, or nowhere.
+using LogFunction = std::function<void(LogLevel, const std::string&)>;
 
 /// Lets one event through each period and counts the rest.
 class Throttle {

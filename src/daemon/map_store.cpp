@@ -11,7 +11,6 @@
 #include <set>
 #include <stdexcept>
 
-#include "daemon/log.hpp"
 #include "daemon/map_file.hpp"
 
 namespace scanlock {
@@ -23,12 +22,18 @@ Clock::duration period_of(const MapConfig& config) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(config.save_period_s));
 }
 
+/// Rounding apart: a map that was loaded has been moved there and back.
+bool same_pose(const Pose& a, const Pose& b) {
+  constexpr double kRounding = 1e-6;  // metres, radians
+  return near(a, b, kRounding, kRounding);
+}
+
 /// Poses tell: the points of a keyframe never change.
 bool same_keyframes(const SavedMap& a, const SavedMap& b) {
   if (a.keyframes.size() != b.keyframes.size()) return false;
   for (std::size_t i = 0; i < a.keyframes.size(); ++i) {
     const ArchivedKeyframe &one = a.keyframes[i], &other = b.keyframes[i];
-    if (one.utime != other.utime || one.map_from_body.matrix() != other.map_from_body.matrix()) return false;
+    if (one.utime != other.utime || !same_pose(one.map_from_body, other.map_from_body)) return false;
   }
   return true;
 }
@@ -46,13 +51,13 @@ std::string described(const SavedMap& map) {
   return std::to_string(map.keyframes.size()) + " keyframes, " + std::to_string(points) + " points";
 }
 
-void keep(const std::string& file) {
+void keep(const std::string& file, const Statistics& statistics) {
   const std::string kept = file + ".old";
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return;
   std::filesystem::copy_file(file, kept, std::filesystem::copy_options::overwrite_existing, error);
   if (error) throw std::runtime_error(kept + ": cannot keep the map before: " + error.message());
-  log_line(LogLevel::kInfo, file + ": holds another map, which is kept as " + kept);
+  statistics.say(LogLevel::kInfo, file + ": holds another map, which is kept as " + kept);
 }
 
 }  // namespace
@@ -75,7 +80,7 @@ std::optional<SavedMap> MapStore::load_at_start() {
     const std::string folder = std::filesystem::absolute(config_.file).parent_path();
     if (access(folder.c_str(), W_OK) != 0)  // better said now than after the drive
       throw std::runtime_error(config_.file + ": cannot be created there: " + std::strerror(errno));
-    log_line(LogLevel::kInfo, config_.file + ": no map yet; it is written on exit");
+    statistics_.say(LogLevel::kInfo, config_.file + ": no map yet; it is written on exit");
     return std::nullopt;
   }
   SavedMap map;
@@ -84,7 +89,7 @@ std::optional<SavedMap> MapStore::load_at_start() {
   } catch (const std::runtime_error& damage) {
     throw std::runtime_error(std::string(damage.what()) + "; move it away to begin a new map");
   }
-  log_line(LogLevel::kInfo, config_.file + ": map loaded: " + described(map));
+  statistics_.say(LogLevel::kInfo, config_.file + ": map loaded: " + described(map));
   written_ = map;
   return map;
 }
@@ -92,7 +97,7 @@ std::optional<SavedMap> MapStore::load_at_start() {
 SavedMap MapStore::load(const std::string& path) const {
   const std::string file = resolved(path);
   SavedMap map = read_map(file);
-  log_line(LogLevel::kInfo, file + ": map loaded: " + described(map));
+  statistics_.say(LogLevel::kInfo, file + ": map loaded: " + described(map));
   return map;
 }
 
@@ -103,31 +108,36 @@ bool MapStore::is_busy() {
   return false;
 }
 
-bool MapStore::write(const std::string& path, const SavedMap& map, bool keep_old) {
-  try {
-    if (keep_old) keep(path);
-    write_map(path, map);
-    log_line(LogLevel::kInfo, path + ": map saved: " + described(map));
-    return true;
-  } catch (const std::exception& error) {
-    complain(error);
-    return false;
-  }
+void MapStore::write(const std::string& path, const SavedMap& map, bool keep_old) {
+  if (keep_old) keep(path, statistics_);
+  write_map(path, map);
+  statistics_.say(LogLevel::kInfo, path + ": map saved: " + described(map));
 }
 
 void MapStore::complain(const std::exception& error) {
-  statistics_.set_error(std::string("the map was not saved: ") + error.what());
-  log_line(LogLevel::kError, std::string("the map was not saved: ") + error.what());
+  statistics_.complain(std::string("the map was not saved: ") + error.what());
 }
 
-void MapStore::save(const std::string& path, SavedMap map) {
+void MapStore::save_on_command(const std::string& path, SavedMap map) {
+  save(path, std::move(map), true);
+}
+
+void MapStore::save(const std::string& path, SavedMap map, bool commanded) {
   const std::string file = resolved(path);
   if (map.keyframes.empty()) throw std::runtime_error(file + ": there is no map yet that could be saved");
   if (is_busy()) throw std::runtime_error(file + ": a map is being saved just now; ask again");
   const bool keep_old = file == config_.file && is_another(map);
   if (file == config_.file) written_ = map;
-  writing_ = std::async(std::launch::async, [this, file, keep_old, saved = std::move(map)] {
-    return write(file, saved, keep_old);
+  writing_ = std::async(std::launch::async, [this, file, keep_old, commanded, saved = std::move(map)] {
+    try {
+      write(file, saved, keep_old);
+    } catch (const std::exception& error) {
+      if (commanded) statistics_.count(&Counters::commands_rejected);
+      complain(error);
+      return false;
+    }
+    if (commanded) statistics_.count(&Counters::commands);
+    return true;
   });
 }
 
@@ -144,7 +154,7 @@ bool MapStore::is_due(Clock::time_point now) {
 void MapStore::save_if_grown(SavedMap map) {
   if (map.keyframes.empty() || (written_ && same_keyframes(*written_, map))) return;
   try {
-    save(config_.file, std::move(map));
+    save(config_.file, std::move(map), false);
   } catch (const std::exception& error) {
     complain(error);
   }
@@ -154,8 +164,13 @@ void MapStore::save_at_exit(const SavedMap& map) {
   if (writing_.valid()) writing_.wait();
   if (is_busy() || config_.file.empty() || map.keyframes.empty()) return;
   const bool same =
-      written_ && same_keyframes(*written_, map) && written_->last_pose.matrix() == map.last_pose.matrix();
-  if (!same) write(config_.file, map, is_another(map));
+      written_ && same_keyframes(*written_, map) && same_pose(written_->last_pose, map.last_pose);
+  if (same) return;
+  try {
+    write(config_.file, map, is_another(map));
+  } catch (const std::exception& error) {
+    throw std::runtime_error(std::string("the map was not saved: ") + error.what());
+  }
 }
 
 }  // namespace scanlock

@@ -26,9 +26,9 @@ class MapStore {
   /// Throws std::runtime_error naming what is wrong; `path` empty: the configured one.
   SavedMap load(const std::string& path) const;
 
-  /// Begins to write `map`. Throws std::runtime_error when that cannot be begun. `path` empty: the configured
-  /// one.
-  void save(const std::string& path, SavedMap map);
+  /// Begins to write `map`. Throws std::runtime_error when that cannot be begun; once it is written, or could
+  /// not be, the command is counted as taken or rejected. `path` empty: the configured one.
+  void save_on_command(const std::string& path, SavedMap map);
 
   /// True when the configured period has passed and a periodic save could begin.
   bool is_due(std::chrono::steady_clock::time_point now);
@@ -36,19 +36,20 @@ class MapStore {
   void save_if_grown(SavedMap map);
 
   /// At the end: waits for a save under way, then writes the configured file, unless it holds this map
-  /// already.
+  /// already. Throws std::runtime_error when that fails.
   void save_at_exit(const SavedMap& map);
 
  private:
   std::string resolved(const std::string& path) const;
+  void save(const std::string& path, SavedMap map, bool commanded);
   bool is_busy();
   bool is_another(const SavedMap& map) const;
   void complain(const std::exception& error);
-  bool write(const std::string& path, const SavedMap& map, bool keep_old);
+  void write(const std::string& path, const SavedMap& map, bool keep_old);
 
   const MapConfig config_;
   Statistics& statistics_;
-  std::future<bool> writing_;  ///< whether it succeeded
+  std::future<bool> writing_;  ///< whether it succeeded; what went wrong was said
   std::chrono::steady_clock::time_point next_;
   std::optional<SavedMap> written_;  ///< as the configured file holds it; shares its points with the tracker
 };

@@ -4,14 +4,12 @@
 
 #include <unistd.h>
 
-#include "daemon/host_network.hpp"
-#include "daemon/lcm_url.hpp"
+#include <algorithm>
 
 namespace scanlock {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::seconds kRetry{1};
 
 std::string host_name() {
   char name[256] = "";
@@ -25,51 +23,18 @@ TwistFrame parse_twist_frame(const std::string& name) {
 
 }  // namespace
 
-Outputs::Outputs(const DaemonConfig& config, const std::string& version, Statistics& statistics)
+Outputs::Outputs(const DaemonConfig& config, const std::string& version, Statistics& statistics,
+                 MessageSink& sink, Pipeline::Mode mode)
     : config_(config),
       version_(version),
-      host_(host_name()),
-      url_(output_url(config)),
-      replay_(is_log_url(input_url(config))),
+      host_(mode == Pipeline::Mode::kReplay ? "" : host_name()),
       twist_frame_(parse_twist_frame(config.twist_frame)),
-      statistics_(statistics) {
-  if (is_log_url(url_)) {
-    const std::string mode = url_option(url_, "mode").value_or("r");
-    if (mode == "r")
-      throw ConfigError(url_ + ": a log is written with ?mode=w (or mode=a to append) at its end");
-    lcm_ = std::make_unique<lcm::LCM>(url_);
-    if (!lcm_->good()) throw ConfigError(url_ + ": this log cannot be written; check its path");
-  }
-}
-
-bool Outputs::connect() {
-  if (lcm_) return true;
-  const auto now = Clock::now();
-  if (now < next_attempt_) return false;
-  next_attempt_ = now + kRetry;
-  std::string why = is_multicast_url(url_) ? multicast_fault(multicast_endpoint(url_)) : "";
-  if (why.empty()) {
-    auto lcm = std::make_unique<lcm::LCM>(url_);
-    if (lcm->good()) {
-      lcm_ = std::move(lcm);
-      return true;
-    }
-    why = "LCM refused the URL; check it";
-  }
-  statistics_.set_error("cannot publish to " + url_ + ": " + why);
-  if (failures_.allows(now)) log_line(LogLevel::kWarning, "cannot publish to " + url_ + ": " + why);
-  return false;
-}
+      mode_(mode),
+      statistics_(statistics),
+      sink_(sink) {}
 
 void Outputs::send(const std::string& channel, const Bytes& message) {
-  if (channel.empty()) return;
-  if (connect() && lcm_->publish(channel, message.data(), static_cast<unsigned>(message.size())) == 0) return;
-  statistics_.count(&Counters::publish_errors);
-  if (!lcm_) return;  // connect() said why
-  const std::string why = is_multicast_url(url_) ? multicast_fault(multicast_endpoint(url_)) : "";
-  const std::string sentence = "publishing on " + channel + " failed" + (why.empty() ? "" : ": " + why);
-  statistics_.set_error(sentence);
-  if (failures_.allows(Clock::now())) log_line(LogLevel::kWarning, sentence);
+  if (!channel.empty()) sink_.send(utime_, channel, message);
 }
 
 OdometryContext Outputs::context_of(const FinishedScan& finished) {
@@ -78,7 +43,7 @@ OdometryContext Outputs::context_of(const FinishedScan& finished) {
   context.scan_seq = finished.scan_seq;
   context.frame_id = config_.map_frame;
   context.child_frame_id = config_.body_frame;
-  if (replay_) return context;
+  if (replay()) return context;
   context.recv_utime = finished.recv_utime;
   context.pub_utime = utime_now();
   context.age_ms = static_cast<float>(static_cast<double>(context.pub_utime - finished.tracked.utime) / 1e3);
@@ -89,36 +54,44 @@ OdometryContext Outputs::context_of(const FinishedScan& finished) {
 
 void Outputs::publish(const FinishedScan& finished) {
   const TrackedScan& tracked = finished.tracked;
-  if (tracked.verdict != ScanVerdict::kTracked) {  // an empty scan still has a pose, the predicted one
-    statistics_.count_verdict(tracked.verdict);
-    statistics_.set_error("the scan of utime " + std::to_string(tracked.utime) +
-                          " was not used: " + to_string(tracked.verdict));
-    if (tracked.method != PoseMethod::kPredicted) return;
-  }
+  statistics_.count_verdict(tracked);
+  if (tracked.method == PoseMethod::kNone && tracked.verdict != ScanVerdict::kTracked) return;
+  utime_ = replay() ? tracked.utime : utime_now();
+  if (first_utime_ == 0) first_utime_ = tracked.utime;
   if (tracked.recovery) publish_recovery(*tracked.recovery, tracked.utime);
   publish_poses(tracked, context_of(finished));
-  statistics_.count_published(
-      std::chrono::duration<double, std::milli>(Clock::now() - finished.arrival).count());
+  if (tracked.verdict == ScanVerdict::kTracked)
+    statistics_.count_published(
+        std::chrono::duration<double, std::milli>(Clock::now() - finished.arrival).count());
   const bool changed = tracked.state != last_.state;
-  if (changed) {
-    log_line(tracked.state == TrackingState::kTracking ? LogLevel::kInfo : LogLevel::kWarning,
-             std::string(to_string(tracked.state)) + " (was " + to_string(last_.state) + ") at utime " +
-                 std::to_string(tracked.utime));
-  }
+  if (changed) say_state(tracked);
   last_ = tracked;
-  if (changed) publish_status();
+  if (changed || status_is_due(tracked.utime)) publish_status();
+}
+
+void Outputs::say_state(const TrackedScan& tracked) const {
+  statistics_.say(tracked.state == TrackingState::kTracking ? LogLevel::kInfo : LogLevel::kWarning,
+                  std::string(to_string(tracked.state)) + " (was " + to_string(last_.state) + ") at utime " +
+                      std::to_string(tracked.utime));
+}
+
+bool Outputs::status_is_due(std::int64_t utime) const {
+  const auto period = static_cast<std::int64_t>(1e6 * config_.status_period_s);
+  return replay() && (status_utime_ == 0 || utime - status_utime_ >= period || utime < status_utime_);
 }
 
 void Outputs::publish_recovery(const Recovery& recovery, std::int64_t utime) {
   statistics_.count(recovery.accepted ? &Counters::recoveries : &Counters::recovery_failures);
-  log_line(LogLevel::kInfo, std::string("search for the place at utime ") + std::to_string(utime) +
-                                (recovery.accepted ? ", accepted: " : ", not accepted: ") + recovery.reason);
-  send(config_.recovery_channel, encode_recovery(report_of(recovery, utime, recovery_seq_++, !replay_)));
+  statistics_.say(LogLevel::kInfo, std::string("search for the place at utime ") + std::to_string(utime) +
+                                       (recovery.accepted ? ", accepted: " : ", not accepted: ") +
+                                       recovery.reason);
+  send(config_.recovery_channel, encode_recovery(report_of(recovery, utime, recovery_seq_++, !replay())));
 }
 
 void Outputs::publish_poses(const TrackedScan& tracked, const OdometryContext& context) {
   send(config_.odometry_channel, encode_odometry(tracked, context));
-  if (tracked.method == PoseMethod::kPredicted && !config_.predicted_poses) return;
+  // These types cannot say what a pose is worth: until a place in a loaded map is believed there is none.
+  if (!tracked.localised || (tracked.method == PoseMethod::kPredicted && !config_.predicted_poses)) return;
   send(config_.pose_channel, encode_pose(tracked, twist_frame_));
   if (!config_.rigid_transform_channel.empty())
     send(config_.rigid_transform_channel, encode_rigid_transform(tracked));
@@ -133,12 +106,18 @@ void Outputs::publish_status() {
   const Statistics::Report report = statistics_.report();
   const Counters& counters = report.counters;
   StatusReport status;
-  status.utime = utime_now();
-  status.uptime_us = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start_).count();
+  utime_ = replay() ? last_.utime : utime_now();
+  status_utime_ = last_.utime;
+  status.utime = utime_;
+  status.uptime_us =
+      replay() ? std::max<std::int64_t>(last_.utime - first_utime_, 0)
+               : std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start_).count();
   status.version = version_;
   status.host = host_;
   status.state = last_.state;
   status.scans_received = counters.received;
+  status.sectors_received = counters.sectors;
+  status.sectors_discarded = counters.sectors_discarded;
   status.scans_used = counters.used;
   status.scans_replaced = counters.replaced;
   status.scans_incomplete = counters.incomplete;
@@ -149,6 +128,9 @@ void Outputs::publish_status() {
   status.rejected_empty = counters.empty;
   status.rejected_duplicate_time = counters.duplicate_time;
   status.rejected_backward_time = counters.backward_time;
+  status.rejected_clock = counters.clock;
+  status.clock_steps = counters.clock_steps;
+  status.scans_without_time = counters.without_time;
   status.nonfinite_points = counters.nonfinite_points;
   status.kernel_drops = counters.kernel_drops;
   status.publish_errors = counters.publish_errors;
@@ -166,7 +148,7 @@ void Outputs::publish_status() {
   status.latency_p50_ms = static_cast<float>(report.latency.p50_ms);
   status.latency_p95_ms = static_cast<float>(report.latency.p95_ms);
   status.latency_p99_ms = static_cast<float>(report.latency.p99_ms);
-  status.rss_mb = static_cast<float>(resident_memory_mb());
+  if (!replay()) status.rss_mb = static_cast<float>(resident_memory_mb());
   status.last_error_utime = counters.last_error_utime;
   status.last_error = counters.last_error;
   send(config_.status_channel, encode_status(status));

@@ -3,173 +3,135 @@
 #include "daemon/replay.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <map>
-#include <optional>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
 #include <utility>
 
-#include "daemon/mount.hpp"
-#include "daemon/prior_intake.hpp"
-#include "io/cloud_file.hpp"
-#include "io/lcm_log.hpp"
-#include "messages/decode_scan.hpp"
-#include "messages/encode.hpp"
-#include "messages/sector_assembler.hpp"
-#include "odometry/prior_judge.hpp"
+#include "daemon/lcm_url.hpp"
+#include "messages/fingerprints.hpp"
 
 namespace scanlock {
 namespace {
 
-TwistFrame twist_frame(const std::string& name) {
-  return name == "body" ? TwistFrame::kBody : name == "zero" ? TwistFrame::kZero : TwistFrame::kLocal;
+using Clock = std::chrono::steady_clock;
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out;
 }
 
-/// The pipeline of one replay: what each scan leads to, and what is written of it.
-class Replay {
- public:
-  Replay(const ReplayOptions& options, const Config& config)
-      : config_(config),
-        tracker_(config.tracker),
-        mount_(body_from_sensor(config.daemon.mount)),
-        priors_(config.daemon),
-        judge_(mount_) {
-    if (!options.output_log_path.empty()) writer_.emplace(options.output_log_path);
-  }
-
-  void take(const DecodedScan& decoded) {
-    if (decoded.fault != DecodeFault::kNone) {
-      if (result_.rejected++ == 0) result_.first_error = decoded.error;
-      return;
-    }
-    ++result_.scans;
-    const TrackedScan tracked = seen_from_body(track(decoded.scan), mount_);
-    if (const auto request = tracker_.take_request()) tracker_.give(finder_.find(*request));
-    if (tracked.verdict == ScanVerdict::kDuplicateTime || tracked.verdict == ScanVerdict::kBackwardTime) {
-      ++result_.bad_times;
-      return;
-    }
-    if (tracked.verdict == ScanVerdict::kEmpty && tracked.method == PoseMethod::kNone)
-      return;  // before the first
-    record(tracked);
-  }
-
-  void take_prior(const LogEvent& event) {
-    if (const auto fault = priors_.take(event.channel, event.data.data(), event.data.size()))
-      count_prior_fault(*fault);
-  }
-
-  void count_fault(const std::string& sentence) {
-    if (result_.rejected++ == 0) result_.first_error = sentence;
-  }
-
-  ReplayResult finish(const ReplayOptions& options) {
-    if (writer_) writer_->close();
-    if (!options.map_path.empty()) write_cloud(options.map_path, tracker_.map());
-    return std::move(result_);
-  }
-
-  ReplayResult& result() { return result_; }
-
- private:
-  TrackedScan track(const Scan& scan) {
-    const PriorIntake::Reading reading = priors_.read(scan.utime);
-    if (!reading.fault.empty()) count_prior_fault(reading.fault);
-    TrackedScan tracked = tracker_.track(scan, judge_.prior(reading.sample));
-    if (const auto sentence = judge_.learn(reading.sample, tracked)) count_prior_fault(*sentence);
-    return tracked;
-  }
-
-  void count_prior_fault(const std::string& sentence) {
-    if (result_.prior_faults++ == 0) result_.first_prior_fault = sentence;
-  }
-
-  void record(const TrackedScan& tracked) {
-    ++result_.states[static_cast<std::size_t>(tracked.state)];
-    const bool recovered = tracked.recovery && tracked.recovery->accepted;
-    if (tracked.recovery) ++(recovered ? result_.recoveries : result_.recovery_failures);
-    if (tracked.epoch != epoch_ && !recovered) ++result_.false_starts;
-    if (!result_.trajectory.empty() && tracked.epoch == epoch_) {
-      result_.distance_m +=
-          (tracked.map_from_body.translation() - result_.trajectory.back().pose.translation()).norm();
-    }
-    epoch_ = tracked.epoch;
-    result_.trajectory.push_back({static_cast<double>(tracked.utime) * 1e-6, tracked.map_from_body});
-    if (!writer_) return;
-    const DaemonConfig& daemon = config_.daemon;
-    if (!daemon.pose_channel.empty()) {
-      writer_->write(tracked.utime, daemon.pose_channel,
-                     encode_pose(tracked, twist_frame(daemon.twist_frame)));
-    }
-    if (!daemon.recovery_channel.empty() && tracked.recovery) {
-      writer_->write(
-          tracked.utime, daemon.recovery_channel,
-          encode_recovery(report_of(*tracked.recovery, tracked.utime, recovery_sequence_++, false)));
-    }
-    if (!daemon.odometry_channel.empty()) {
-      OdometryContext context;  // no clock: the same bytes every time
-      context.recv_utime = context.pub_utime = tracked.utime;
-      context.seq = sequence_++;
-      context.frame_id = daemon.map_frame;
-      context.child_frame_id = daemon.body_frame;
-      writer_->write(tracked.utime, daemon.odometry_channel, encode_odometry(tracked, context));
-    }
-  }
-
-  const Config& config_;
-  Tracker tracker_;
-  PlaceFinder finder_;
-  Pose mount_;
-  PriorIntake priors_;
-  PriorJudge judge_;
-  std::optional<LogWriter> writer_;
-  ReplayResult result_;
-  std::uint32_t epoch_ = 0;
-  std::int64_t sequence_ = 0, recovery_sequence_ = 0;
-};
+double number_in(const std::string& url, const std::string& key, double standard) {
+  const std::optional<std::string> text = url_option(url, key);
+  if (!text) return standard;
+  char* end = nullptr;
+  const double value = std::strtod(text->c_str(), &end);
+  if (text->empty() || *end != '\0' || !(value >= 0) || !std::isfinite(value))
+    throw ConfigError(url + ": " + key + "=" + *text + " is no number from 0 on");
+  return value;
+}
 
 }  // namespace
 
-ReplayResult replay_log(const ReplayOptions& options, const Config& config,
-                        const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
-  using Clock = std::chrono::steady_clock;
-  LogReader reader(options.log_path);
-  Replay replay(options, config);
-  DecodeLimits limits;
-  limits.max_message_bytes = static_cast<std::size_t>(config.daemon.max_message_bytes);
-  limits.max_points = static_cast<std::size_t>(config.daemon.max_points);
-  limits.mbot_clockwise = config.daemon.mbot_clockwise;
-  std::map<std::string, SectorAssembler> assemblers;
-  for (const std::string& channel : config.daemon.scan_channels)
-    assemblers.emplace(channel, limits.max_points);
+ReplayOptions replay_options(const std::string& url) {
+  return {log_url_path(url), number_in(url, "speed", 1),
+          static_cast<std::int64_t>(std::min(number_in(url, "start_timestamp", 0), 9e18))};
+}
 
-  while (const std::optional<LogEvent> event = reader.next()) {
-    const auto assembler = assemblers.find(event->channel);
-    if (assembler == assemblers.end()) {
-      replay.take_prior(*event);
+Replay::Replay(const ReplayOptions& options, const Config& config, const std::string& version,
+               Statistics& statistics, MessageSink& sink)
+    : options_(options),
+      config_(config),
+      statistics_(statistics),
+      reader_(options.log_path),
+      intake_(config.daemon, statistics),
+      pipeline_(config, statistics, Pipeline::Mode::kReplay),
+      outputs_(config_.daemon, version, statistics, sink, Pipeline::Mode::kReplay) {}
+
+void Replay::run(const StopSignal& stop, const ScanObserver& observer,
+                 const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+  std::int64_t utime = 0;
+  while (!stop.requested()) {
+    const std::optional<LogEvent> event = reader_.next();
+    if (!event) break;
+    if (event->utime < options_.first_utime) continue;
+    if (!wait_for(*event, stop)) break;
+    utime = event->utime;
+    statistics_.set_replay_time(utime);
+    note_other_channel(*event);
+    handle(intake_.take(event->channel, event->data.data(), event->data.size(), utime), observer);
+    if (progress) progress(reader_.position(), reader_.file_size());
+  }
+  if (!stop.requested()) handle(intake_.finish(utime), observer);
+  pipeline_.finish();
+  outputs_.publish_status();  // the last word
+}
+
+void Replay::handle(std::vector<Intake::Item> items, const ScanObserver& observer) {
+  for (Intake::Item& item : items) {
+    if (const auto* command = std::get_if<Command>(&item)) {
+      pipeline_.execute(*command);
       continue;
     }
-    const Clock::time_point begin = Clock::now();
-    bool whole = false;
-    for (const DecodedScan& scan :
-         assembler->second.add(decode_scan(event->data.data(), event->data.size(), limits))) {
-      replay.take(scan);
-      whole = true;
-    }
-    if (whole) {
-      replay.result().scan_ms.push_back(
-          std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
-    }
-    if (progress) progress(reader.position(), reader.file_size());
+    const ReceivedScan& received = std::get<ReceivedScan>(item);
+    const FinishedScan finished = pipeline_.process(received);
+    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - received.arrival).count();
+    outputs_.publish(finished);
+    if (observer) observer(finished, ms);
   }
-  for (auto& [channel, assembler] : assemblers) {
-    if (const std::optional<DecodedScan> rest = assembler.flush()) replay.take(*rest);
+}
+
+/// In the pace of the recording, where that is asked for. False when the stop signal came.
+bool Replay::wait_for(const LogEvent& event, const StopSignal& stop) {
+  if (!(options_.speed > 0)) return true;
+  const auto now = Clock::now();
+  // A recording whose clock steps is not waited for: it goes on from there.
+  const double since = 1e-6 * (static_cast<double>(event.utime) - static_cast<double>(begin_utime_));
+  const std::chrono::duration<double> ahead(since / options_.speed -
+                                            std::chrono::duration<double>(now - begin_).count());
+  constexpr double kLongestWait = 60;  // seconds
+  if (begin_utime_ == 0 || ahead.count() > kLongestWait || ahead.count() < -kLongestWait) {
+    begin_utime_ = event.utime;
+    begin_ = now;
+    return true;
   }
-  if (reader.damaged_places() > 0 || reader.truncated()) {
-    replay.result().damage = options.log_path + ": " + std::to_string(reader.damaged_places()) +
-                             " damaged places, " + std::to_string(reader.skipped_bytes()) + " bytes skipped" +
-                             (reader.truncated() ? ", the last event is cut short" : "");
-  }
-  return replay.finish(options);
+  if (ahead.count() <= 0) return true;
+  return !stop.wait_for(std::chrono::duration_cast<std::chrono::milliseconds>(ahead));
+}
+
+void Replay::note_other_channel(const LogEvent& event) {
+  constexpr std::size_t kMost = 20;
+  const std::vector<std::string>& listened = config_.daemon.scan_channels;
+  if (std::find(listened.begin(), listened.end(), event.channel) != listened.end() ||
+      other_scans_.size() >= kMost || other_scans_.count(event.channel) > 0)
+    return;
+  const std::uint64_t type = message_fingerprint(event.data.data(), event.data.size());
+  if (is_scan_type(type)) other_scans_[event.channel] = type_name(type);
+}
+
+std::string Replay::damage() const {
+  if (reader_.damaged_places() == 0 && !reader_.truncated()) return "";
+  return options_.log_path + ": " + std::to_string(reader_.damaged_places()) + " damaged places, " +
+         std::to_string(reader_.skipped_bytes()) + " bytes skipped" +
+         (reader_.truncated() ? ", the last event is cut short" : "");
+}
+
+std::string Replay::why_no_scan() const {
+  const Counters counters = statistics_.report().counters;
+  if (counters.used > 0) return "";
+  const std::string log =
+      (damage().empty() ? options_.log_path + ": " : damage() + "; ") + "no scan could be used: ";
+  if (counters.received > 0)
+    return log + std::to_string(counters.received) + " came on " + joined(config_.daemon.scan_channels) +
+           ", the last one was rejected: " + counters.last_error;
+  if (other_scans_.empty())
+    return log + "none of its channels carries scans; `scanlock-convert LOG --info` lists what they carry";
+  std::string carry;
+  for (const auto& [channel, type] : other_scans_)
+    carry += (carry.empty() ? "" : ", ") + channel + " (" + type + ")";
+  return log + "nothing came on " + joined(config_.daemon.scan_channels) + "; scans are on " + carry +
+         ": choose with --scan-channel";
 }
 
 }  // namespace scanlock

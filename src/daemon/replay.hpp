@@ -2,44 +2,69 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
-#include <vector>
 
 #include "daemon/config.hpp"
-#include "io/trajectory.hpp"
+#include "daemon/intake.hpp"
+#include "daemon/outputs.hpp"
+#include "daemon/pipeline.hpp"
+#include "daemon/statistics.hpp"
+#include "daemon/stop_signal.hpp"
+#include "io/lcm_log.hpp"
 
 namespace scanlock {
 
+/// How an LCM log is played.
 struct ReplayOptions {
   std::string log_path;
-  std::string output_log_path;  ///< pose_t and odometry_t of every scan; empty: not written
-  std::string map_path;         ///< the map at the end, as a cloud file; empty: not written
+  double speed = 0;              ///< times as fast as it was recorded; 0: as fast as the machine goes
+  std::int64_t first_utime = 0;  ///< microseconds: events before are left out
 };
+/// As LCM itself reads a file:// URL: in the time of the recording unless it says ?speed=0. Throws
+/// ConfigError.
+ReplayOptions replay_options(const std::string& url);
 
-struct ReplayResult {
-  Trajectory trajectory;                 ///< of every scan that has a pose, predicted ones too
-  std::int64_t scans = 0;                ///< messages on the scan channels that hold a scan
-  std::int64_t rejected = 0;             ///< messages there that hold none
-  std::string first_error;               ///< of the first of those
-  std::int64_t bad_times = 0;            ///< scans with a repeated or an earlier utime
-  std::array<std::int64_t, 6> states{};  ///< poses by TrackingState
-  std::int64_t false_starts = 0;         ///< times the tracker began anew on a jump of the clock
-  std::int64_t recoveries = 0;           ///< global registrations accepted
-  std::int64_t recovery_failures = 0;    ///< and not accepted
-  std::int64_t prior_faults = 0;  ///< of other sensors: useless messages, scans without, contradictions
-  std::string first_prior_fault;  ///< a sentence on the first of those
-  double distance_m = 0;          ///< way along the trajectory
-  std::vector<double> scan_ms;    ///< wall clock of decoding and tracking, each scan
-  std::string damage;             ///< a sentence on the state of the log, or empty
+/// Told about every scan, used or not, and the milliseconds that it took from its message to its pose.
+using ScanObserver = std::function<void(const FinishedScan&, double)>;
+
+/// The pipeline over an LCM log: every scan, in order, in the caller's thread. What comes out depends on the
+/// log and the configuration alone.
+class Replay {
+ public:
+  /// Throws std::runtime_error with a sentence for a log or a map that cannot be read. The references must
+  /// outlive this object.
+  Replay(const ReplayOptions& options, const Config& config, const std::string& version,
+         Statistics& statistics, MessageSink& sink);
+
+  /// To the end of the log, or until the stop signal. `progress`: bytes done and in all; may be empty.
+  void run(const StopSignal& stop, const ScanObserver& observer,
+           const std::function<void(std::uint64_t, std::uint64_t)>& progress);
+
+  /// A sentence on the state of the log; empty where it is whole.
+  std::string damage() const;
+  /// Why no scan could be used; empty where one was.
+  std::string why_no_scan() const;
+  PointCloud map() const { return pipeline_.map(); }
+
+ private:
+  bool wait_for(const LogEvent& event, const StopSignal& stop);
+  void handle(std::vector<Intake::Item> items, const ScanObserver& observer);
+  void note_other_channel(const LogEvent& event);
+
+  const ReplayOptions options_;
+  const Config& config_;
+  Statistics& statistics_;
+  LogReader reader_;
+  Intake intake_;
+  Pipeline pipeline_;
+  Outputs outputs_;
+  std::int64_t begin_utime_ = 0;  ///< of the first event that was played, and when it was
+  std::chrono::steady_clock::time_point begin_{};
+  std::map<std::string, std::string>
+      other_scans_;  ///< channels that nobody listens to, but carry scans; and types
 };
-
-/// Runs the daemon's pipeline over an LCM log: every scan, in order, as fast as the machine goes. Everything
-/// that is written depends on the log and the configuration alone. Throws std::runtime_error with a sentence
-/// for a log that cannot be read or an output that cannot be written. `progress`: bytes done and in all.
-ReplayResult replay_log(const ReplayOptions& options, const Config& config,
-                        const std::function<void(std::uint64_t, std::uint64_t)>& progress);
 
 }  // namespace scanlock

@@ -15,6 +15,13 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kRateWindow{5};
 constexpr std::size_t kLatencies = 1000;
 constexpr std::size_t kMaxErrorLength = 400;
+constexpr std::chrono::seconds kComplaintPeriod{10};  // at hundreds a second one would hide all others
+
+bool is_rejection(std::int64_t Counters::*counter) {
+  Counters one;
+  one.*counter = 1;
+  return one.rejected() == 1;
+}
 
 }  // namespace
 
@@ -38,10 +45,56 @@ double RateMeter::per_second(Clock::time_point now) const {
          std::chrono::duration<double>(std::max(events_.back() - *first, Clock::duration(1))).count();
 }
 
-void Statistics::count_received(std::size_t bytes) {
+void Statistics::set_replay_time(std::int64_t utime) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  replay_utime_ = utime;
+}
+
+void Statistics::count(std::int64_t Counters::*counter, std::int64_t number) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  report_.counters.*counter += number;
+}
+
+Statistics::Complaint& Statistics::complaint_of(std::int64_t Counters::*counter) {
+  const auto known = std::find_if(complaints_.begin(), complaints_.end(),
+                                  [&](const Complaint& complaint) { return complaint.counter == counter; });
+  if (known != complaints_.end()) return *known;
+  complaints_.push_back({counter, "", Throttle(kComplaintPeriod)});
+  return complaints_.back();
+}
+
+void Statistics::complain(std::int64_t Counters::*counter, const std::string& sentence, std::int64_t number) {
+  std::string line;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    report_.counters.*counter += number;
+    Complaint& complaint = complaint_of(counter);
+    if (complaint.first.empty()) complaint.first = sentence;
+    set_error_locked(sentence);
+    if (!complaint.throttle.allows(Clock::now())) return;
+    line = (is_rejection(counter) ? "rejected: " : "") + sentence;
+    const long more = complaint.throttle.suppressed();
+    if (more > 0) line += " (and " + std::to_string(more) + " like it before)";
+  }
+  log_(LogLevel::kWarning, line);
+}
+
+void Statistics::complain(const std::string& sentence) {
+  set_error(sentence);
+  log_(LogLevel::kWarning, sentence);
+}
+
+std::string Statistics::first_complaint(std::int64_t Counters::*counter) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const Complaint& complaint : complaints_) {
+    if (complaint.counter == counter) return complaint.first;
+  }
+  return "";
+}
+
+void Statistics::count_received() {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++report_.counters.received;
-  report_.largest_message = std::max(report_.largest_message, bytes);
   input_.add(Clock::now());
 }
 
@@ -50,31 +103,29 @@ void Statistics::count_fault(DecodeFault fault, const std::string& sentence) {
     case DecodeFault::kNone:
       return;
     case DecodeFault::kTruncated:
-      count(&Counters::truncated);
-      break;
+      return complain(&Counters::truncated, sentence);
     case DecodeFault::kUnknownType:
-      count(&Counters::unknown_type);
-      break;
+      return complain(&Counters::unknown_type, sentence);
     case DecodeFault::kBadSize:
-      count(&Counters::bad_size);
-      break;
+      return complain(&Counters::bad_size, sentence);
     case DecodeFault::kBadField:
-      count(&Counters::bad_field);
-      break;
+      return complain(&Counters::bad_field, sentence);
   }
-  set_error(sentence);
 }
 
-void Statistics::count_verdict(ScanVerdict verdict) {
-  switch (verdict) {
+void Statistics::count_verdict(const TrackedScan& tracked) {
+  const std::string scan = "the scan of utime " + std::to_string(tracked.utime) + " was not used: ";
+  switch (tracked.verdict) {
     case ScanVerdict::kTracked:
       return;  // counted when its pose is published
     case ScanVerdict::kEmpty:
-      return count(&Counters::empty);
+      return complain(&Counters::empty, scan + tracked.why);
     case ScanVerdict::kDuplicateTime:
-      return count(&Counters::duplicate_time);
+      return complain(&Counters::duplicate_time, scan + tracked.why);
     case ScanVerdict::kBackwardTime:
-      return count(&Counters::backward_time);
+      return complain(&Counters::backward_time, scan + tracked.why);
+    case ScanVerdict::kOtherClock:
+      return complain(&Counters::clock, scan + tracked.why);
   }
 }
 
@@ -90,14 +141,13 @@ void Statistics::count_published(double latency_ms) {
   }
 }
 
-void Statistics::count(std::int64_t Counters::*counter, std::int64_t number) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  report_.counters.*counter += number;
-}
-
 void Statistics::set_error(const std::string& sentence) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  report_.counters.last_error_utime = utime_now();
+  set_error_locked(sentence);
+}
+
+void Statistics::set_error_locked(const std::string& sentence) {
+  report_.counters.last_error_utime = replay_utime_ ? *replay_utime_ : utime_now();
   report_.counters.last_error = sentence.substr(0, kMaxErrorLength);
 }
 
@@ -110,6 +160,7 @@ void Statistics::set_receive_buffer(int wanted, int granted) {
 Statistics::Report Statistics::report() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   Report report = report_;
+  if (replay_utime_) return report;
   report.latency = {percentile(latencies_ms_, 0.5), percentile(latencies_ms_, 0.95),
                     percentile(latencies_ms_, 0.99)};
   report.input_hz = input_.per_second(Clock::now());

@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "daemon/log.hpp"
 #include "messages/decode_scan.hpp"
 #include "odometry/tracker.hpp"
 
@@ -19,13 +21,18 @@ std::int64_t utime_now();
 
 /// All that is counted, since the start.
 struct Counters {
-  std::int64_t received = 0;    ///< messages on the scan channels
-  std::int64_t used = 0;        ///< tracked; a pose was published
-  std::int64_t replaced = 0;    ///< a fresher scan came before the worker was free
-  std::int64_t incomplete = 0;  ///< put together from sectors of which some were lost
+  std::int64_t received = 0;  ///< scans, whole or joined, and messages on their channels that hold none
+  std::int64_t sectors = 0, sectors_discarded = 0;  ///< slices that came; those of no use: late or repeated
+  std::int64_t used = 0;                            ///< tracked; a pose was published
+  std::int64_t replaced = 0;                        ///< a fresher scan came before the worker was free
+  std::int64_t incomplete = 0;                      ///< put together from sectors of which some were lost
   std::int64_t truncated = 0, unknown_type = 0, bad_size = 0, bad_field = 0;
   std::int64_t empty = 0, duplicate_time = 0, backward_time = 0;
-  std::int64_t without_time = 0;  ///< utime was not positive; the time of arrival was taken
+  std::int64_t clock = 0;           ///< stamped by another clock than the scans around them, and rejected
+  std::int64_t clock_steps = 0;     ///< times the clock of the scans stepped
+  std::int64_t two_publishers = 0;  ///< scans or messages that told of two publishers
+  std::int64_t without_time = 0;    ///< utime was not positive; the time of arrival was taken
+  std::int64_t without_point_times = 0;  ///< scans with points, but no times of them
   std::int64_t nonfinite_points = 0;
   std::int64_t kernel_drops = 0;
   std::int64_t publish_errors = 0;
@@ -38,7 +45,7 @@ struct Counters {
   std::string last_error;
 
   std::int64_t rejected() const {
-    return truncated + unknown_type + bad_size + bad_field + empty + duplicate_time + backward_time;
+    return truncated + unknown_type + bad_size + bad_field + empty + duplicate_time + backward_time + clock;
   }
 };
 
@@ -57,7 +64,7 @@ class RateMeter {
   std::deque<std::chrono::steady_clock::time_point> events_;
 };
 
-/// The daemon's memory of itself, shared by its threads.
+/// What happened, counted and in words; shared by the threads of a daemon.
 class Statistics {
  public:
   struct Report {
@@ -65,21 +72,47 @@ class Statistics {
     Latency latency;  ///< from arrival to publishing, over the last scans
     double input_hz = 0, output_hz = 0;
     int recv_buf_wanted = 0, recv_buf_granted = 0;
-    std::size_t largest_message = 0;  ///< bytes
   };
 
-  void count_received(std::size_t bytes);
-  void count_fault(DecodeFault fault, const std::string& sentence);
-  void count_verdict(ScanVerdict verdict);
-  void count_published(double latency_ms);
+  explicit Statistics(LogFunction log = log_line) : log_(std::move(log)) {}
+
+  /// In a replay: the time of the event at hand. From then on nothing that is reported depends on this
+  /// machine or its clock.
+  void set_replay_time(std::int64_t utime);
+
   void count(std::int64_t Counters::*counter, std::int64_t number = 1);
+  /// Counts, makes the sentence the last error, and logs it: of each counter once in ten seconds.
+  void complain(std::int64_t Counters::*counter, const std::string& sentence, std::int64_t number = 1);
+  /// The same without a counter, each time.
+  void complain(const std::string& sentence);
+  /// A line for the log that is no error.
+  void say(LogLevel level, const std::string& sentence) const { log_(level, sentence); }
+
+  void count_received();
+  void count_fault(DecodeFault fault, const std::string& sentence);
+  void count_verdict(const TrackedScan& tracked);
+  void count_published(double latency_ms);
   void set_error(const std::string& sentence);
   void set_receive_buffer(int wanted, int granted);
+
   Report report() const;
+  /// The first sentence that a counter was complained of with; empty for none.
+  std::string first_complaint(std::int64_t Counters::*counter) const;
 
  private:
+  struct Complaint {
+    std::int64_t Counters::*counter;
+    std::string first;
+    Throttle throttle;
+  };
+  Complaint& complaint_of(std::int64_t Counters::*counter);
+  void set_error_locked(const std::string& sentence);
+
+  const LogFunction log_;
   mutable std::mutex mutex_;
   Report report_;
+  std::optional<std::int64_t> replay_utime_;
+  std::vector<Complaint> complaints_;
   RateMeter input_, output_;
   std::vector<double> latencies_ms_;  ///< the last ones, as a ring
   std::size_t next_latency_ = 0;

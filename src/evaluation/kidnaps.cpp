@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
+#include "geometry/elementary.hpp"
 
 namespace scanlock {
 namespace {
@@ -44,8 +45,8 @@ Pose mean_alignment(const PosePairs& pairs, const std::vector<StampedState>& sta
   }
   Pose mean = Pose::Identity();
   if (kind == Overlay::kYaw) {
-    const double yaw = std::atan2(sum(1, 0) - sum(0, 1), sum(0, 0) + sum(1, 1));
-    mean.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    const double yaw = atan2(sum(1, 0) - sum(0, 1), sum(0, 0) + sum(1, 1));
+    mean.linear() = rotation_about_z(yaw);
   } else {
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
     Eigen::Vector3d signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant());

@@ -3,17 +3,16 @@
 #include "evaluation/log_states.hpp"
 
 #include <algorithm>
-#include <filesystem>
 
 #include "io/lcm_log.hpp"
 #include "io/log_poses.hpp"
+#include "io/trajectory_source.hpp"
 #include "messages/decode_report.hpp"
 
 namespace scanlock {
 
 std::vector<StampedState> load_states(const std::string& source, const std::string& channel) {
-  std::string path = source;
-  if (!std::filesystem::exists(source)) path = source.substr(0, source.rfind(':'));
+  const std::string path = trajectory_file(source);
   std::vector<StampedState> states;
   if (!is_log(path)) return states;
   LogReader reader(path);

@@ -8,6 +8,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -29,7 +31,7 @@ Pose best_yaw(const Eigen::Matrix3Xd& estimate, const Eigen::Matrix3Xd& referenc
   const double cosine = e.row(0).dot(r.row(0)) + e.row(1).dot(r.row(1));
   const double sine = e.row(0).dot(r.row(1)) - e.row(1).dot(r.row(0));
   Pose pose = Pose::Identity();
-  pose.linear() = Eigen::AngleAxisd(std::atan2(sine, cosine), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  pose.linear() = rotation_about_z(atan2(sine, cosine));
   pose.translation() = reference_mean - pose.linear() * estimate_mean;
   return pose;
 }

@@ -49,6 +49,7 @@ struct PointCloud {
 struct Scan {
   std::int64_t utime = 0;
   PointCloud points;
+  bool stamped_by_arrival = false;  ///< its sender gave no stamp
 };
 
 }  // namespace scanlock

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -13,7 +15,7 @@ constexpr double kSeriesAngle = 0.5;
 
 /// sin(t)/t
 double sinc(double t) {
-  return std::abs(t) < 1e-8 ? 1.0 : std::sin(t) / t;
+  return std::abs(t) < 1e-8 ? 1.0 : sin(t) / t;
 }
 
 /// (1 - cos t) / t^2, without cancellation at any angle
@@ -37,25 +39,25 @@ double factorial_series(double t, int first) {
 
 /// (t - sin t) / t^3
 double t_minus_sin_over_cube(double t) {
-  return t < kSeriesAngle ? factorial_series(t, 3) : (t - std::sin(t)) / (t * t * t);
+  return t < kSeriesAngle ? factorial_series(t, 3) : (t - sin(t)) / (t * t * t);
 }
 
 /// (cos t - 1 + t^2/2) / t^4
 double cos_tail_over_fourth(double t) {
-  return t < kSeriesAngle ? factorial_series(t, 4) : (std::cos(t) - 1.0 + 0.5 * t * t) / (t * t * t * t);
+  return t < kSeriesAngle ? factorial_series(t, 4) : (cos(t) - 1.0 + 0.5 * t * t) / (t * t * t * t);
 }
 
 /// (sin t - t + t^3/6) / t^5
 double sin_tail_over_fifth(double t) {
-  return t < kSeriesAngle ? factorial_series(t, 5)
-                          : (std::sin(t) - t + t * t * t / 6.0) / (t * t * t * t * t);
+  return t < kSeriesAngle ? factorial_series(t, 5) : (sin(t) - t + t * t * t / 6.0) / (t * t * t * t * t);
 }
 
 /// (1 - (t/2) cot(t/2)) / t^2
 double inverse_jacobian_coefficient(double t) {
   if (t < 1e-2) return 1.0 / 12.0 + t * t / 720.0 + t * t * t * t / 30240.0;
   const double half = 0.5 * t;
-  return (1.0 - half * std::cos(half) / std::sin(half)) / (t * t);
+  const SineCosine s = sincos(half);
+  return (1.0 - half * s.cosine / s.sine) / (t * t);
 }
 
 }  // namespace
@@ -64,6 +66,24 @@ Eigen::Matrix3d hat(const Eigen::Vector3d& a) {
   Eigen::Matrix3d m;
   m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
   return m;
+}
+
+Eigen::Matrix3d rotation_about_z(double angle) {
+  const auto [s, c] = sincos(angle);
+  Eigen::Matrix3d rotation;
+  rotation << c, -s, 0, s, c, 0, 0, 0, 1;
+  return rotation;
+}
+
+Eigen::Matrix3d yaw_pitch_roll(double yaw, double pitch, double roll) {
+  const auto [sy, cy] = sincos(yaw);
+  const auto [sp, cp] = sincos(pitch);
+  const auto [sr, cr] = sincos(roll);
+  Eigen::Matrix3d rotation;
+  rotation << cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,  //
+      sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,          //
+      -sp, cp * sr, cp * cr;
+  return rotation;
 }
 
 Eigen::Matrix3d so3_exp(const Eigen::Vector3d& phi) {
@@ -79,7 +99,7 @@ Eigen::Vector3d so3_log(const Eigen::Matrix3d& rotation) {
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   const double sine = q.vec().norm();
   if (sine < 1e-150) return 2.0 * q.vec();
-  return (2.0 * std::atan2(sine, q.w()) / sine) * q.vec();
+  return (2.0 * atan2(sine, q.w()) / sine) * q.vec();
 }
 
 Pose se3_exp(const Vector6& xi) {
@@ -156,6 +176,17 @@ Eigen::Matrix3d level_rotation(const Eigen::Vector3d& up) {
 Pose renormalised(const Pose& pose) {
   Pose result = pose;
   result.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();
+  return result;
+}
+
+Pose upright(const Pose& pose) {
+  Pose result = Pose::Identity();
+  result.translation() = pose.translation();
+  const Eigen::Vector2d ahead = pose.linear().col(0).head<2>();
+  const double length = ahead.norm();
+  if (!(length > 1e-6)) return result;
+  const Eigen::Vector2d x = ahead / length;
+  result.linear().topLeftCorner<2, 2>() << x.x(), -x.y(), x.y(), x.x();
   return result;
 }
 

@@ -18,6 +18,11 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /// The matrix a^ with a^ b = a x b.
 Eigen::Matrix3d hat(const Eigen::Vector3d& a);
 
+/// The rotation by an angle (radians) about the z axis, and Rz(yaw) Ry(pitch) Rx(roll). In place of Eigen's
+/// AngleAxis, which takes the sine and cosine of the C library.
+Eigen::Matrix3d rotation_about_z(double angle);
+Eigen::Matrix3d yaw_pitch_roll(double yaw, double pitch, double roll);
+
 /// Exponential and logarithm of SO(3). exp is exact for every argument; log returns the rotation vector
 /// of length in [0, pi], accurate to rounding from 0 to pi (Zhang et al. appendix A is its judge in the
 /// tests; the authors' code returns 0 below 0.081 degrees, which is the usual motion between two scans).
@@ -45,6 +50,10 @@ Eigen::Matrix3d level_rotation(const Eigen::Vector3d& up);
 
 /// The nearest rotation, for a product of many; a no-op to rounding for a good one.
 Pose renormalised(const Pose& pose);
+
+/// The same place and heading, upright: what a frame of which z is up needs of a pose. The heading is that of
+/// the x axis; of one that points straight up, none.
+Pose upright(const Pose& pose);
 
 /// Whether two poses differ by less.
 bool near(const Pose& a, const Pose& b, double metres, double radians);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/elementary.hpp"
 
 namespace scanlock {
 namespace {
@@ -28,7 +29,7 @@ AngleReach reach_of(double p_length, double p_azimuth, double q_length, double q
   const double cosine_times_product = squares - e * e - kUlps * squares;
   if (cosine_times_product <= -product) return AngleReach::kAlways;
   if (cosine_times_product > product) return AngleReach::kNever;
-  const double gamma = std::acos(std::clamp(cosine_times_product / product, -1.0, 1.0)) + kAngleRounding;
+  const double gamma = acos(std::clamp(cosine_times_product / product, -1.0, 1.0)) + kAngleRounding;
   if (gamma >= kPi) return AngleReach::kAlways;
   interval.start = wrapped(q_azimuth - p_azimuth - gamma);
   interval.width = 2 * gamma;

@@ -95,7 +95,14 @@ MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOpti
     const int most = found.empty() ? 0 : found[best].consensus;
     const double wanted = runner_up ? most / kClearMargin : most + 1;
     search.at_least = std::max(fewest, static_cast<int>(std::ceil(wanted)));
+    if (search.max_work == 0) {  // what is left was not looked at: anything may be there
+      MatchRegistration unknown;
+      unknown.upper_bound = static_cast<int>(matches.size());
+      found.push_back(unknown);
+      break;
+    }
     found.push_back(search_attitude(matches, search, up));
+    search.max_work -= std::min(search.max_work, found.back().work);
     if (found.back().consensus <= most) continue;
     best = found.size() - 1;
     best_up = up;

@@ -24,8 +24,8 @@ Eigen::Vector3d middle_of(const std::vector<Eigen::Vector3d>& ups);
 /// search: the largest consensus of all, with an upper bound that holds for all. The runner-up, and its
 /// bound, are those in the attitude of the best pose, or better ones that were met elsewhere. Without
 /// directions: the z axis, and any consensus; else those below kFewestMatches or `search.at_least`, and those
-/// far below one that is known, are not searched out. `centre`: of the source, metres. `search.up` is the z
-/// axis.
+/// far below one that is known, are not searched out. `search.max_work` is that of all of them.
+/// `centre`: of the source, metres. `search.up` is the z axis.
 MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOptions search,
                                    const std::vector<Eigen::Vector3d>& target_ups,
                                    const Eigen::Vector3d& centre);

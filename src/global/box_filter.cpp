@@ -8,6 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -136,11 +138,13 @@ void BoxFilter::set_angles(double theta, double half_theta) {
   if (theta_ == theta && half_theta_ == half_theta) return;
   theta_ = theta;
   half_theta_ = half_theta;
-  cos_ = std::cos(theta_);
-  sin_ = std::sin(theta_);
+  const auto [sine, cosine] = sincos(theta_);
+  sin_ = sine;
+  cos_ = cosine;
   // The arc of R p reaches from its middle r along -r by up to |r| (1 - cos) and across by up to |r| sin.
-  across_ = std::sin(half_theta_);
-  along_ = 0.5 * (1 - std::cos(half_theta_));
+  const SineCosine half = sincos(half_theta_);
+  across_ = half.sine;
+  along_ = 0.5 * (1 - half.cosine);
 }
 
 BoxCounts BoxFilter::filter(const PoseBox& box, const std::vector<std::uint32_t>& list,

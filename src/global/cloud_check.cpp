@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: MIT
 #include "global/cloud_check.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/symmetric_eigen.hpp"
 #include "global/cloud_normals.hpp"
 
 namespace scanlock {
@@ -46,9 +46,7 @@ Eigen::Vector3d CloudCheck::loose_direction() const {
     const Eigen::Vector2d normal = cloud_.normal(i).head<2>().cast<double>();
     moment += normal * normal.transpose();
   }
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
-  solver.computeDirect(moment);
-  const Eigen::Vector2d least = solver.eigenvectors().col(0);
+  const Eigen::Vector2d least = symmetric_eigen(moment).vectors.col(0);
   return {least.x(), least.y(), 0};
 }
 

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: MIT
 #include "global/cloud_normals.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <vector>
 
+#include "geometry/symmetric_eigen.hpp"
 #include "global/neighbour_lists.hpp"
 
 namespace scanlock {
@@ -24,10 +24,9 @@ Eigen::Vector3f normal_at(const PointCloud& cloud, const NeighbourFinder::Neighb
   }
   const auto count = static_cast<double>(near.count());
   const Eigen::Vector3d mean = sum / count;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(moment / count - mean * mean.transpose());
-  if (!(solver.eigenvalues()[1] > 1e-9 * solver.eigenvalues()[2])) return Eigen::Vector3f::Zero();
-  const Eigen::Vector3f normal = solver.eigenvectors().col(0).cast<float>();
+  const SymmetricEigen<3> eigen = symmetric_eigen(Eigen::Matrix3d(moment / count - mean * mean.transpose()));
+  if (!(eigen.values[1] > 1e-9 * eigen.values[2])) return Eigen::Vector3f::Zero();
+  const Eigen::Vector3f normal = eigen.vectors.col(0).cast<float>();
   return normal.dot(centre - cloud.eye(i)) > 0 ? Eigen::Vector3f(-normal) : normal;
 }
 

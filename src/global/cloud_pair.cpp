@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/elementary.hpp"
 #include "geometry/rigid_fit.hpp"
 #include "global/attitude_search.hpp"
 #include "global/cpu_clock.hpp"
@@ -54,7 +55,7 @@ Pose CloudPair::middle_pose(Pose pose) {
     for (const SurfaceMatch& m : all_matches()) {
       const double squared = (pose * m.p - m.q).squaredNorm();
       if (squared > kReach * kReach * scale * scale) continue;
-      sums.add(std::exp(-squared / (2 * scale * scale)), m.p, level * m.q);
+      sums.add(exp(-squared / (2 * scale * scale)), m.p, level * m.q);
       ++near;
     }
     if (near < kFewestMatches) break;

@@ -84,6 +84,7 @@ class Registrar {
     result_.pruning_ms += search.pruning_ms;
     result_.search_ms += search.search_ms + search.runner_up_ms;
     result_.nodes += search.nodes;
+    work_ += search.work;
   }
   void judge();
   std::string numbers() const;
@@ -94,6 +95,7 @@ class Registrar {
   CloudPair clouds_;
   std::vector<Hypothesis> hypotheses_;  // of this attempt; distinct; the first has the largest consensus
   CloudRegistration result_;
+  std::size_t work_ = 0;  // of all searches
 };
 
 MatchRegistration Registrar::search(const Matches& matches, bool runner_up, int at_least) const {
@@ -102,6 +104,7 @@ MatchRegistration Registrar::search(const Matches& matches, bool runner_up, int 
   search.epsilon = epsilon_;
   search.tilt = options_.tilt;
   search.max_nodes = options_.max_nodes;
+  search.max_work = options_.max_work - std::min(options_.max_work, work_);
   search.budget_s = options_.budget_s;
   search.runner_up = runner_up;
   search.prune = runner_up;                  // without one, as soon done without

@@ -41,6 +41,8 @@ struct CloudRegistrationOptions {
   int lambda = 3;
   int attempts = 2;                 ///< match sets that are drawn at most, see below
   std::size_t max_nodes = 200'000;  ///< of each search; ends it without a certificate
+  std::size_t max_work =
+      std::numeric_limits<std::size_t>::max();  ///< of all searches, see MatchRegistrationOptions
   double budget_s = std::numeric_limits<double>::infinity();  ///< wall seconds of each search
 };
 

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -24,7 +26,7 @@ double Conflicts::weighted_mean(const Weighted& set, std::size_t size, LevelPose
     fit_weights_[k] = set.weights[k] / (limit * limit);
   }
   pose = fit(m_, set.matches.data(), fit_weights_.data(), size);
-  const double c = std::cos(pose.theta), s = std::sin(pose.theta);
+  const auto [s, c] = sincos(pose.theta);
   double sum = 0, weight = 0;
   for (std::size_t k = 0; k < size; ++k) {
     const std::uint32_t i = set.matches[k];
@@ -71,7 +73,7 @@ void Conflicts::touch(const Weighted& set, LevelPose& pose) const {
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
     Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
-    const double c = std::cos(pose.theta), s = std::sin(pose.theta);
+    const auto [s, c] = sincos(pose.theta);
     for (std::size_t k = 0; k < set.matches.size(); ++k) {
       if (set.weights[k] < heavy) continue;
       const std::uint32_t i = set.matches[k];

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "geometry/angles.hpp"
+#include "geometry/elementary.hpp"
 #include "global/neighbour_lists.hpp"
 
 namespace scanlock {
@@ -23,8 +24,8 @@ struct AngleBorders {
   AngleBorders() {
     for (int m = 0; m < kMiddle; ++m) {
       const double border = kPi * (2 * m + 1) / kBins;
-      sine[m] = static_cast<float>(std::sin(border));
-      cosine[m] = static_cast<float>(std::cos(border));
+      sine[m] = static_cast<float>(sin(border));
+      cosine[m] = static_cast<float>(cos(border));
     }
   }
   int bin(float s, float c) const {

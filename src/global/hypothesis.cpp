@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -46,7 +48,7 @@ Pose levelled(const Pose& pose, const Eigen::Vector3d& up, const Eigen::Vector3d
 Pose level_fit(const PairSums& sums) {
   const Eigen::Vector3d p = sums.p / sums.weight, q = sums.q / sums.weight;
   const Eigen::Matrix3d moment = sums.qp / sums.weight - q * p.transpose();
-  const double yaw = std::atan2(moment(1, 0) - moment(0, 1), moment(0, 0) + moment(1, 1));
+  const double yaw = atan2(moment(1, 0) - moment(0, 1), moment(0, 0) + moment(1, 1));
   Pose pose = Pose::Identity();
   pose.linear() = so3_exp(Eigen::Vector3d(0, 0, yaw));
   pose.translation() = q - pose.linear() * p;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "global/iss_keypoints.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "geometry/symmetric_eigen.hpp"
 
 namespace scanlock {
 namespace {
@@ -17,9 +17,7 @@ double saliency(const PointCloud& cloud, const NeighbourLists& neighbours, std::
     const Eigen::Vector3d d = (cloud.point(neighbours.index[e]) - centre).cast<double>();
     scatter += d * d.transpose();
   }
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(scatter, Eigen::EigenvaluesOnly);
-  const Eigen::Vector3d& l = solver.eigenvalues();  // ascending
+  const Eigen::Vector3d l = symmetric_eigen(scatter).values;  // ascending
   const bool distinct = l[1] < static_cast<double>(options.ratio21) * l[2] &&
                         l[0] < static_cast<double>(options.ratio32) * l[1];
   return distinct && l[0] > 1e-9 * l[2] ? l[0] : 0.0;  // below, it is rounding

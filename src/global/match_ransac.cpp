@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -15,8 +17,8 @@ bool pose_of_two(const Match& a, const Match& b, double epsilon, Pose& pose) {
   const Eigen::Vector3d p = b.p - a.p, q = b.q - a.q;
   const double lengths = p.head<2>().norm() - q.head<2>().norm();
   if (std::abs(lengths) > 2 * epsilon || std::abs(p.z() - q.z()) > 2 * epsilon) return false;
-  const double theta = std::atan2(p.x() * q.y() - p.y() * q.x(), p.x() * q.x() + p.y() * q.y());
-  pose.linear() = Eigen::AngleAxisd(theta, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const double theta = atan2(p.x() * q.y() - p.y() * q.x(), p.x() * q.x() + p.y() * q.y());
+  pose.linear() = rotation_about_z(theta);
   pose.translation() = 0.5 * (a.q + b.q) - pose.linear() * (0.5 * (a.p + b.p));
   return true;
 }
@@ -40,7 +42,7 @@ MatchRansac ransac_matches(const Matches& matches, const MatchRansacOptions& opt
     result.consensus = static_cast<int>(count);
     result.target_from_source = pose;
     const double ratio = static_cast<double>(count) / static_cast<double>(matches.size());
-    const double samples = std::log(1 - options.confidence) / std::log1p(-std::min(ratio * ratio, 1 - 1e-12));
+    const double samples = log(1 - options.confidence) / log1p(-std::min(ratio * ratio, 1 - 1e-12));
     enough = std::min(enough, samples);
   }
   return result;

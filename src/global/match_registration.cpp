@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "geometry/elementary.hpp"
 #include "global/cpu_clock.hpp"
 #include "global/pose_search.hpp"
 
@@ -48,7 +49,7 @@ struct Frame {
 
   Pose pose(const LevelPose& found) const {
     Pose result = Pose::Identity();
-    result.linear() = level.transpose() * Eigen::AngleAxisd(found.theta, Eigen::Vector3d::UnitZ()) * level;
+    result.linear() = level.transpose() * rotation_about_z(found.theta) * level;
     result.translation() = q_centre + level.transpose() * Eigen::Vector3d(found.x, found.y, found.z) -
                            result.linear() * p_centre;
     return result;
@@ -57,7 +58,7 @@ struct Frame {
   LevelPose level_pose(const Pose& pose) const {
     const Eigen::Matrix3d turn = level * pose.linear() * level.transpose();
     const Eigen::Vector3d way = level * (pose.translation() + pose.linear() * p_centre - q_centre);
-    return {std::atan2(turn(1, 0), turn(0, 0)), way.x(), way.y(), way.z()};
+    return {atan2(turn(1, 0), turn(0, 0)), way.x(), way.y(), way.z()};
   }
 };
 
@@ -78,7 +79,7 @@ Frame frame_of(const Matches& matches, const Eigen::Vector3d& up) {
 LevelMatches levelled(const Matches& matches, const Frame& frame, const MatchRegistrationOptions& options) {
   LevelMatches result;
   result.reserve(matches.size());
-  const double tilt = 4 * std::sin(0.5 * options.tilt);
+  const double tilt = 4 * sin(0.5 * options.tilt);
   for (std::size_t i = 0; i < matches.size(); ++i) {
     const Eigen::Vector3d p = frame.level * (matches[i].p - frame.p_centre);
     const Eigen::Vector3d q = frame.level * (matches[i].q - frame.q_centre);
@@ -96,6 +97,7 @@ LevelMatches levelled(const Matches& matches, const Frame& frame, const MatchReg
 SearchLimits limits_of(const MatchRegistrationOptions& options) {
   SearchLimits limits;
   limits.nodes = options.max_nodes;
+  limits.work = options.max_work;
   limits.progress = options.progress;
   constexpr double kForever = 1e9;
   if (options.budget_s < kForever) {
@@ -112,12 +114,13 @@ void seek_runner_up(const LevelMatches& matches, const LevelPose& first,
                     const MatchRegistrationOptions& options, const Frame& frame, SearchLimits limits,
                     MatchRegistration& result) {
   constexpr std::size_t kLeastWork = 200'000, kMostWork = 4'000'000;
+  const std::size_t work = limits.work;
   const ExcludedPoses excluded{first, options.rival_angle, options.rival_distance};
   Incumbent rival;
   int bound = result.upper_bound;
   bool finished = false;
   if (options.weak_runner_up) {
-    limits.work = kLeastWork;
+    limits.work = std::min(work, kLeastWork);
     const SearchResult quick = search_poses(matches, rival, limits, excluded);
     bound = quick.upper_bound;
     finished = quick.finished;
@@ -126,7 +129,7 @@ void seek_runner_up(const LevelMatches& matches, const LevelPose& first,
     Incumbent better = rival;
     better.consensus = std::max(rival.consensus, result.consensus / 2);
     const int known = better.consensus;
-    limits.work = std::max(kMostWork, 2 * result.work);
+    limits.work = std::min(work, std::max(kMostWork, 2 * result.work));
     bound = std::min(bound, search_poses(matches, better, limits, excluded).upper_bound);
     if (better.consensus > known) rival = better;
   }
@@ -162,6 +165,7 @@ MatchRegistration register_matches(const Matches& matches, const MatchRegistrati
     result.nodes += pruning.nodes;
     result.work += pruning.work;
     limits.nodes -= std::min(limits.nodes, pruning.nodes);
+    limits.work -= std::min(limits.work, pruning.work);
     if (!pruning.finished) bound = pruning.upper_bound;
     result.matches_after_pruning = kept.size();
   }
@@ -182,6 +186,7 @@ MatchRegistration register_matches(const Matches& matches, const MatchRegistrati
   result.search_ms += clock.lap();
   if (options.runner_up && search.finished) {
     limits.nodes -= std::min(limits.nodes, search.nodes);
+    limits.work -= std::min(limits.work, search.work);
     seek_runner_up(all, best.pose, options, frame, limits, result);
   } else {
     result.runner_up_bound = result.upper_bound;

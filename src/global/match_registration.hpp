@@ -14,8 +14,8 @@
 
 namespace scanlock {
 
-/// How to register a match set. Times end a search only through budget_s; max_nodes gives the same answer
-/// every time.
+/// How to register a match set. Times end a search only through budget_s; max_nodes and max_work give the
+/// same answer every time.
 struct MatchRegistrationOptions {
   double epsilon = 0.1;                           ///< metres: |R p + t - q| <= epsilon is an inlier
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< the axis of rotation, any length but 0
@@ -23,6 +23,7 @@ struct MatchRegistrationOptions {
   bool prune = true;                              ///< prune the match set before the search
   double budget_s = std::numeric_limits<double>::infinity();  ///< wall seconds
   std::size_t max_nodes = std::numeric_limits<std::size_t>::max();
+  std::size_t max_work = std::numeric_limits<std::size_t>::max();  ///< matches looked at, some 20 ns each
   /// Poses that hold fewer are of no interest: without one that holds so many the consensus is given as 0,
   /// and the upper bound is at_least - 1 when that is proven.
   int at_least = 0;

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -21,7 +23,7 @@ double squared_ratio(const LevelMatches& m, std::size_t i, double c, double s, c
 
 template <typename Visit>
 void for_each_inlier(const LevelMatches& m, const LevelPose& pose, const Visit& visit) {
-  const double c = std::cos(pose.theta), s = std::sin(pose.theta);
+  const auto [s, c] = sincos(pose.theta);
   const double reach = m.largest_threshold * (1 + 2 * kRelativeTolerance) + 2 * m.rounding;
   const auto [first, last] = height_range(m, pose.z - reach, pose.z + reach);
   for (std::size_t i = first; i < last; ++i) {
@@ -150,8 +152,8 @@ LevelPose fit(const LevelMatches& m, const std::uint32_t* subset, const double* 
     cross += weights[j] * (ax * by - ay * bx);
   }
   LevelPose pose;
-  pose.theta = std::atan2(cross, dot);
-  const double c = std::cos(pose.theta), s = std::sin(pose.theta);
+  pose.theta = atan2(cross, dot);
+  const auto [s, c] = sincos(pose.theta);
   pose.x = qx - (c * px - s * py);
   pose.y = qy - (s * px + c * py);
   pose.z = dz / sum;

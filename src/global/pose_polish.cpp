@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/elementary.hpp"
 #include "global/angle_stabbing.hpp"
 
 namespace scanlock {
@@ -14,7 +15,8 @@ class Polisher {
  public:
   Polisher(const LevelMatches& matches, const LevelPose& start) : m_(matches), pose_(start) {
     constexpr double kNear = 2;  // thresholds
-    const double c = std::cos(start.theta), s = std::sin(start.theta), reach = kNear * m_.largest_threshold;
+    const auto [s, c] = sincos(start.theta);
+    const double reach = kNear * m_.largest_threshold;
     const auto [first, last] = height_range(m_, start.z - reach, start.z + reach);
     for (std::size_t i = first; i < last; ++i) {
       const double x = m_.qx[i] - (c * m_.px[i] - s * m_.py[i]) - start.x;
@@ -44,8 +46,8 @@ class Polisher {
       if (square < 0) continue;
       const double x = m_.qx[i] - pose_.x, y = m_.qy[i] - pose_.y;
       AngleInterval interval;
-      switch (reach_of(std::hypot(m_.px[i], m_.py[i]), std::atan2(m_.py[i], m_.px[i]), std::hypot(x, y),
-                       std::atan2(y, x), std::sqrt(square), interval)) {
+      switch (reach_of(hypot(m_.px[i], m_.py[i]), atan2(m_.py[i], m_.px[i]), hypot(x, y), atan2(y, x),
+                       std::sqrt(square), interval)) {
         case AngleReach::kNever:
           break;
         case AngleReach::kAlways:
@@ -61,7 +63,7 @@ class Polisher {
 
   /// Stabs the translations along one axis; returns how many matches are held.
   int shift(int axis) {
-    const double c = std::cos(pose_.theta), s = std::sin(pose_.theta);
+    const auto [s, c] = sincos(pose_.theta);
     double LevelPose::*const axes[] = {&LevelPose::x, &LevelPose::y, &LevelPose::z};
     events_.clear();
     for (const std::size_t i : near_) {

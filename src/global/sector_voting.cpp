@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 
 SectorVoting::SectorVoting(const LevelMatches& m) : m_(m) {
@@ -86,9 +88,9 @@ std::size_t SectorVoting::load(const std::vector<std::uint32_t>& matches, double
 /// The rectangle about q - R p over the sector, widened by the threshold, in cells; see BoxFilter.
 void SectorVoting::find_cells(const Sector& sector) {
   using Table = VoteTable<std::int16_t>;
-  const float c = static_cast<float>(std::cos(sector.theta)), s = static_cast<float>(std::sin(sector.theta));
-  const float across = static_cast<float>(std::sin(sector.half_theta));
-  const float along = static_cast<float>(0.5 * (1 - std::cos(sector.half_theta))), middle = 1 - along;
+  const float c = static_cast<float>(cos(sector.theta)), s = static_cast<float>(sin(sector.theta));
+  const float across = static_cast<float>(sin(sector.half_theta));
+  const float along = static_cast<float>(0.5 * (1 - cos(sector.half_theta))), middle = 1 - along;
   const float scale = static_cast<float>(1 / sector.cell), offset = offset_;
   const float *px = px_.data(), *py = py_.data(), *qx = qx_.data(), *qy = qy_.data(), *reach = reach_.data();
   std::int32_t *i0 = i0_.data(), *i1 = i1_.data(), *j0 = j0_.data(), *j1 = j1_.data();

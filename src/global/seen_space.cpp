@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/elementary.hpp"
 #include "global/cloud_normals.hpp"
 
 namespace scanlock {
@@ -20,8 +21,7 @@ constexpr float kSteep = 0.5f;  // horizontal part of a normal that has a headin
 constexpr int kMostAside = 200, kMostAloft = 60;  // cells
 
 int sector(const Eigen::Vector3f& direction) {
-  const double turn =
-      std::atan2(static_cast<double>(direction.y()), static_cast<double>(direction.x())) / kPi;
+  const double turn = atan2(static_cast<double>(direction.y()), static_cast<double>(direction.x())) / kPi;
   return static_cast<int>(std::floor((turn + 1) * kSectors)) % kSectors;
 }
 

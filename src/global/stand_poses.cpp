@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
+#include "geometry/elementary.hpp"
 #include "global/attitude_search.hpp"
 #include "global/cloud_normals.hpp"
 
@@ -19,6 +20,7 @@ constexpr double kStep = 2;            // voxels between two stands: a glance se
 constexpr std::size_t kHeadings = 72;  // bins
 constexpr std::size_t kMostTurns = 8;
 constexpr std::size_t kMostStands = 2000;  // of more, only every other one or so
+constexpr std::size_t kMostPoses = 40000;  // of all, in every attitude and heading: half a second of glances
 constexpr double kWiderStep = 1.5;
 
 using Headings = std::array<double, kHeadings>;
@@ -28,7 +30,7 @@ Headings headings(const PointCloud& cloud) {
   Headings result{};
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (!is_steep(cloud, i)) continue;
-    const double turn = std::atan2(cloud.ny[i], cloud.nx[i]) / (2 * kPi) + 0.5;
+    const double turn = atan2(cloud.ny[i], cloud.nx[i]) / (2 * kPi) + 0.5;
     result[static_cast<std::size_t>(turn * kHeadings) % kHeadings] += 1;
   }
   return result;
@@ -78,15 +80,16 @@ std::vector<Pose> stand_poses(const PointCloud& source, const PointCloud& target
                               const std::vector<Eigen::Vector3d>& ups) {
   double step = kStep * voxel;
   std::vector<Eigen::Vector3d> places = stands(target, step);
-  while (places.size() > kMostStands) places = stands(target, step *= kWiderStep);
   std::vector<Pose> poses;
   const std::vector<double> turns = likely_turns(headings(source), headings(target));
+  const std::size_t each = std::max<std::size_t>(turns.size() * ups_or_z(ups).size(), 1);
+  while (places.size() > 1 && places.size() > std::min(kMostStands, kMostPoses / each))
+    places = stands(target, step *= kWiderStep);
   for (const Eigen::Vector3d& up : ups_or_z(ups)) {
     const Eigen::Matrix3d level = level_rotation(up);
     for (double turn : turns) {
       Pose pose = Pose::Identity();
-      pose.linear() =
-          level.transpose() * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+      pose.linear() = level.transpose() * rotation_about_z(turn);
       for (const Eigen::Vector3d& place : places) {
         pose.translation() = place;
         poses.push_back(pose);

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -68,9 +70,9 @@ Pose fit_surfaces(const std::vector<SurfaceMatch>& matches, Pose pose, const Eig
           std::abs(m.normal_q.dot(pose.linear() * m.normal_p)) < kSameWay)
         continue;
       // Welsch's weights, for what is near by chance is anywhere there.
-      const double weight = std::exp(-along * along / (2 * scale * scale));
+      const double weight = exp(-along * along / (2 * scale * scale));
       if (squared_within < epsilon * epsilon) spread.add(weight, along * along, squared_within);
-      const double within = weight_within * std::exp(-squared_within / two_variances);
+      const double within = weight_within * exp(-squared_within / two_variances);
       const Eigen::Matrix3d metric = weight * (m.normal_q * m.normal_q.transpose() * (1 - within) +
                                                within * Eigen::Matrix3d::Identity());
       equations.add(metric, axis.cross(at - middle), offset);

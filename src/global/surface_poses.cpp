@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/elementary.hpp"
 #include "geometry/rigid_fit.hpp"
 #include "global/attitude_search.hpp"
 #include "global/hypothesis.hpp"
@@ -16,6 +17,7 @@ constexpr double kSteep = 0.7;         // horizontal part of a normal
 constexpr std::size_t kGlance = 100;   // points, of every pose,
 constexpr std::size_t kLook = 600;     // and of the best of them
 constexpr std::size_t kLooked = 1000;  // poses
+constexpr std::size_t kMostGlances = 40000;
 
 struct Candidate {
   double score;
@@ -34,14 +36,17 @@ std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const 
                                 const std::vector<Eigen::Vector3d>& ups, const Eigen::Vector3d& centre,
                                 double epsilon, std::size_t count) {
   std::vector<Candidate> candidates;
+  // In many attitudes every so many of the matches have to do.
+  const std::size_t stride = matches.size() * ups_or_z(ups).size() / kMostGlances + 1;
   for (const Eigen::Vector3d& up : ups_or_z(ups)) {
     const Eigen::Matrix3d level = level_rotation(up);
-    for (const SurfaceMatch& m : matches) {
+    for (std::size_t i = 0; i < matches.size(); i += stride) {
+      const SurfaceMatch& m = matches[i];
       const Eigen::Vector2d s = m.normal_p.head<2>(), t = (level * m.normal_q).head<2>();
       if (s.norm() < kSteep || t.norm() < kSteep) continue;
-      const double yaw = std::atan2(t.y(), t.x()) - std::atan2(s.y(), s.x());
+      const double yaw = atan2(t.y(), t.x()) - atan2(s.y(), s.x());
       Pose pose = Pose::Identity();
-      pose.linear() = level.transpose() * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+      pose.linear() = level.transpose() * rotation_about_z(yaw);
       pose.translation() = m.q - pose.linear() * m.p;
       candidates.push_back({score(glance(source, target, pose, kGlance)), pose});
     }

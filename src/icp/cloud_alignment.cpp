@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "geometry/elementary.hpp"
 #include "icp/cloud_covariance.hpp"
 #include "icp/cloud_selection.hpp"
 #include "icp/welsch.hpp"
@@ -135,7 +136,7 @@ class CloudAligner {
     descent->step_length = [=, &report = options_.progress, tolerance = descent->tolerance,
                             first = 0.0](double step) mutable {
       first = std::max(first, step);
-      const double share = step > tolerance ? std::log(first / step) / std::log(first / tolerance) : 1.0;
+      const double share = step > tolerance ? log(first / step) / log(first / tolerance) : 1.0;
       report(begin + (end - begin) * std::clamp(share, 0.0, 1.0));
     };
   }
@@ -232,7 +233,7 @@ class CloudAligner {
     const double last_tolerance = keeps_better_start_
                                       ? effort_.upper_tolerance * result_.nu_min
                                       : std::min(tolerance_, effort_.last_tolerance * result_.nu_min);
-    const double levels = 1.0 + std::max(0.0, std::ceil(std::log2(first_nu / result_.nu_min)));
+    const double levels = 1.0 + std::max(0.0, std::ceil(log2(first_nu / result_.nu_min)));
     double level = 0;
     for (double nu = first_nu; nu > result_.nu_min; nu *= kNuFactor, ++level) {
       problem.use_first(options_.thorough ? source_.points.size() : points_for(nu));

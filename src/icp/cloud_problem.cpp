@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "geometry/elementary.hpp"
 #include "geometry/linear.hpp"
 #include "geometry/parallel.hpp"
 #include "icp/welsch.hpp"
@@ -57,10 +58,7 @@ StateVector CloudProblem::begin(const Pose& start, double nu, double gate) {
 Pose CloudProblem::pose_of(const StateVector& x) const {
   if (setup_.coordinates == MotionCoordinates::kLieAlgebra) return se3_exp(x.head<6>()) * base_;
   Pose pose = Pose::Identity();
-  pose.linear() =
-      (Eigen::AngleAxisd(x[3], Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(x[4], Eigen::Vector3d::UnitY()) *
-       Eigen::AngleAxisd(x[5], Eigen::Vector3d::UnitX()))
-          .toRotationMatrix();
+  pose.linear() = yaw_pitch_roll(x[3], x[4], x[5]);
   pose.translation() = x.head<3>();
   return pose;
 }
@@ -69,8 +67,8 @@ StateVector CloudProblem::state_of(const Pose& pose) const {
   if (setup_.coordinates == MotionCoordinates::kLieAlgebra) return se3_log(pose * base_.inverse());
   const Eigen::Matrix3d r = pose.linear();
   StateVector x(6);
-  x << pose.translation(), std::atan2(r(1, 0), r(0, 0)), std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2))),
-      std::atan2(r(2, 1), r(2, 2));
+  x << pose.translation(), atan2(r(1, 0), r(0, 0)), atan2(-r(2, 0), hypot(r(2, 1), r(2, 2))),
+      atan2(r(2, 1), r(2, 2));
   return x;
 }
 

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: MIT
 #include "icp/local_surfaces.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/elementary.hpp"
 #include "geometry/parallel.hpp"
+#include "geometry/symmetric_eigen.hpp"
 
 namespace scanlock {
 namespace {
@@ -33,11 +34,11 @@ struct Spread {
       moment += p.head<kAxes>() * p.head<kAxes>().transpose();
     }
     mean /= count;
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kAxes, kAxes>> solver;
-    solver.computeDirect(moment / count - mean.head<kAxes>() * mean.head<kAxes>().transpose());
+    moment = moment / count - mean.head<kAxes>() * mean.head<kAxes>().transpose();
+    const SymmetricEigen<kAxes> eigen = symmetric_eigen(moment);
     centre = mean.cast<float>() + origin;
-    deviation = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-    axes = solver.eigenvectors();
+    deviation = eigen.values.cwiseMax(0.0).cwiseSqrt();
+    axes = eigen.vectors;
     // Of n neighbours a fit leaves n - kAxes to show the noise.
     const double noise =
         std::max(deviation[0] * std::sqrt(count / static_cast<double>(count - kAxes)), kLeastNoise);
@@ -100,7 +101,7 @@ Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int co
   surface.tilt_across = static_cast<float>(spread.tilt(2));
   const double linearity = 1.0 - deviation[1] / deviation[2];
   const Eigen::Vector3d direction = spread.axes.col(2);
-  const double thickness = std::hypot(deviation[0], deviation[1]);
+  const double thickness = hypot(deviation[0], deviation[1]);
   if (lines && linearity > planarity && std::abs(direction.z()) > kUpright && thickness > kThread) {
     surface.line = true;
     surface.normal = direction.cast<float>();

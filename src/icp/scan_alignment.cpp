@@ -39,6 +39,7 @@ struct ScanAligner::Workspace final : DescentProblem {
   Vector6 x = Vector6::Zero(), twist = Vector6::Zero();
   std::vector<float> wx, wy, wz;          // source in the target frame
   std::vector<float> residuals, weights;  // per source point; NaN and 0 without a surface
+  std::vector<double> kernel;             // Welsch's weight of the residual, where there is a surface
   int matched = 0;
 
   void begin(const PointCloud& cloud, const AlignmentTarget& to, const MotionPrior& from,
@@ -51,6 +52,7 @@ struct ScanAligner::Workspace final : DescentProblem {
     motion.set_times(cloud.time);
     correspondences.reset(to.cloud, to.tree, n);
     for (std::vector<float>* values : {&wx, &wy, &wz, &residuals, &weights}) values->resize(n);
+    kernel.resize(n);
     duration =
         motion.still() ? 0.1 : std::max(motion.knot_time(ScanMotion::kKnots) - motion.knot_time(0), 1e-3);
     double sum = 0;
@@ -103,7 +105,8 @@ struct ScanAligner::Workspace final : DescentProblem {
       const float r = surface.line ? (off - along * surface.normal).norm() : along;
       residuals[i] = r;
       weights[i] = surface.weight;
-      explained += surface.weight * welsch_weight(static_cast<double>(r) * r, nu);
+      kernel[i] = welsch_weight(static_cast<double>(r) * r, nu);
+      explained += surface.weight * kernel[i];
       ++matched;
     }
     const Vector12 e = prior_error();
@@ -133,7 +136,7 @@ struct ScanAligner::Workspace final : DescentProblem {
     for (std::size_t i = 0; i < source->size(); ++i) {
       if (weights[i] <= 0) continue;
       const double r = residuals[i];
-      const double weight = weights[i] * (robust ? welsch_weight(r * r, nu) : 1.0);
+      const double weight = weights[i] * (robust ? kernel[i] : 1.0);
       const Surface& surface = target->surfaces.at(correspondences.indices()[i]);
       const Eigen::Vector3f world(wx[i], wy[i], wz[i]), w = to_prior * (world - origin);
       KnotSums& sum = sums[static_cast<std::size_t>(motion.nearest_knot(i))];
@@ -176,7 +179,7 @@ struct ScanAligner::Workspace final : DescentProblem {
       if (weights[i] <= 0) continue;
       const Surface& surface = target->surfaces.at(correspondences.indices()[i]);
       if (surface.line) continue;
-      const double r = residuals[i], weight = weights[i] * welsch_weight(r * r, nu);
+      const double weight = weights[i] * kernel[i];
       const Eigen::Vector3f w = to_prior * (Eigen::Vector3f(wx[i], wy[i], wz[i]) - origin);
       const Eigen::Vector3f across = surface.tilt_across * surface.normal.cross(surface.tilt).normalized();
       for (const Eigen::Vector3f& tilt : {surface.tilt, across}) {

@@ -2,18 +2,18 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cmath>
+#include "geometry/elementary.hpp"
 
 namespace scanlock {
 
 /// Welsch's function, equation 14: psi(x) = 1 - exp(-x^2 / (2 nu^2)), from the squared argument.
 inline double welsch(double squared_x, double nu) {
-  return -std::expm1(-squared_x / (2.0 * nu * nu));
+  return -expm1(-squared_x / (2.0 * nu * nu));
 }
 
 /// The weight of the quadratic surrogate, equations 16 and 17: exp(-x^2 / (2 nu^2)).
 inline double welsch_weight(double squared_x, double nu) {
-  return std::exp(-squared_x / (2.0 * nu * nu));
+  return exp(-squared_x / (2.0 * nu * nu));
 }
 
 /// Beyond this many nu the weight is below 1.6e-8: less than float resolution of a residual.

@@ -12,26 +12,32 @@
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
+
+#include "io/destination.hpp"
 
 namespace scanlock {
 namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const std::string& path, const std::string& what, int code) {
-  throw std::runtime_error(path + ": " + what + ": " + std::strerror(code));
+[[noreturn]] void fail(const std::string& path) {
+  throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
 }
 
 /// The file beside the target, ours alone while it is open. One name, so that a kill leaves one at most,
-/// which the next writer takes over; a lock, so that two writers do not mix.
+/// which the next writer takes over; a lock, so that two writers do not mix. Errors name the target as the
+/// caller does.
 class TemporaryFile {
  public:
-  explicit TemporaryFile(std::string path) : path_(std::move(path)) {
+  TemporaryFile(std::string name, std::string target)
+      : name_(std::move(name)), target_(std::move(target)), path_(target_ + ".scanlock-part") {
     fd_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (fd_ < 0) fail(path_, "cannot create", errno);
-    if (flock(fd_, LOCK_EX | LOCK_NB) != 0 || !is_still_there()) {
+    if (fd_ < 0) fail(name_);
+    const bool locked_by_another = flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (locked_by_another || !is_still_there()) {
       close(fd_);
-      throw std::runtime_error(path_ + ": another process is writing it");
+      throw std::runtime_error(name_ + ": another process is writing it");
     }
   }
   ~TemporaryFile() {
@@ -41,19 +47,29 @@ class TemporaryFile {
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
 
-  void write_all(const std::vector<std::uint8_t>& bytes) {
-    if (ftruncate(fd_, 0) != 0) fail(path_, "cannot write", errno);
-    for (std::size_t done = 0; done < bytes.size();) {
-      const ssize_t written = write(fd_, bytes.data() + done, bytes.size() - done);
+  void write_all(std::string_view bytes) {
+    if (ftruncate(fd_, 0) != 0) fail(name_);
+    while (!bytes.empty()) {
+      const ssize_t written = write(fd_, bytes.data(), bytes.size());
       if (written < 0 && errno == EINTR) continue;
-      if (written < 0) fail(path_, "cannot write", errno);
-      done += static_cast<std::size_t>(written);
+      if (written < 0) fail(name_);
+      bytes.remove_prefix(static_cast<std::size_t>(written));
     }
   }
 
-  void rename_to(const std::string& target) {
-    if (fsync(fd_) != 0) fail(path_, "cannot write", errno);
-    if (rename(path_.c_str(), target.c_str()) != 0) fail(target, "cannot be replaced", errno);
+  void sync() {
+    if (fsync(fd_) != 0) fail(name_);
+  }
+
+  /// What it replaces keeps its permissions.
+  void rename_to_target() {
+    struct stat old = {};
+    struct stat ours = {};
+    const bool replaces = stat(target_.c_str(), &old) == 0 && fstat(fd_, &ours) == 0;
+    if (replaces && ours.st_mode != old.st_mode && fchmod(fd_, old.st_mode & 07777) != 0) fail(name_);
+    const int copy = dup(fd_);  // a network's file system tells of errors when a file is closed
+    if (copy < 0 || close(copy) != 0) fail(name_);
+    if (rename(path_.c_str(), target_.c_str()) != 0) fail(name_);
     path_.clear();
   }
 
@@ -66,31 +82,38 @@ class TemporaryFile {
            ours.st_dev == named.st_dev;
   }
 
-  std::string path_;
+  std::string name_, target_, path_;
   int fd_ = -1;
 };
 
 /// The name is in the directory's own data: it has to reach the disk too.
 void sync_directory_of(const fs::path& path) {
-  const fs::path directory = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  const int fd = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int fd = open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0) return;  // the file is there; a directory that cannot be read cannot be synced
   fsync(fd);
   close(fd);
 }
 
+void replace(const std::string& path, std::string_view bytes, bool synced) {
+  const Destination destination = destination_of(path);
+  if (destination.kind == Destination::Kind::kDirectory) throw std::runtime_error(path + ": is a directory");
+  if (destination.kind == Destination::Kind::kSpecial)
+    throw std::runtime_error(path + ": not a regular file; it is not replaced");
+  TemporaryFile temporary(path, destination.path);
+  temporary.write_all(bytes);
+  if (synced) temporary.sync();
+  temporary.rename_to_target();
+  if (synced) sync_directory_of(destination.path);
+}
+
 }  // namespace
 
 void write_file_atomically(const std::string& path, const std::vector<std::uint8_t>& bytes) {
-  std::error_code error;
-  fs::path target = path;
-  if (fs::is_symlink(target, error)) target = fs::weakly_canonical(target, error);
-  if (fs::exists(target, error) && !fs::is_regular_file(target, error))
-    throw std::runtime_error(path + ": not a regular file; it is not replaced");
-  TemporaryFile temporary(target.string() + ".part");
-  temporary.write_all(bytes);
-  temporary.rename_to(target.string());
-  sync_directory_of(target);
+  replace(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, true);
+}
+
+void replace_file(const std::string& path, std::string_view bytes) {
+  replace(path, bytes, false);
 }
 
 }  // namespace scanlock

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace scanlock {
@@ -13,5 +14,8 @@ namespace scanlock {
 /// followed. Throws std::runtime_error naming the path; the old file is then untouched and nothing is left
 /// behind.
 void write_file_atomically(const std::string& path, const std::vector<std::uint8_t>& bytes);
+
+/// The same but for the power cut: it does not wait for the disk.
+void replace_file(const std::string& path, std::string_view bytes);
 
 }  // namespace scanlock

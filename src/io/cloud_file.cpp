@@ -27,20 +27,14 @@ constexpr std::array<Format, 5> kFormats = {{
     {".txt", parse_xyz, format_xyz},
 }};
 
-const Format* find_format(const std::string& path) {
+const Format& format_of(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const auto found = std::find_if(kFormats.begin(), kFormats.end(),
                                   [&](const Format& format) { return extension == format.extension; });
-  return found == kFormats.end() ? nullptr : &*found;
-}
-
-const Format& format_of(const std::string& path) {
-  const Format* format = find_format(path);
-  if (format == nullptr)
-    throw std::runtime_error(path + ": unknown kind of cloud; use .bin, .ply, .pcd, .xyz or .txt");
-  return *format;
+  if (found != kFormats.end()) return *found;
+  throw std::runtime_error(path + ": unknown kind of cloud; use .bin, .ply, .pcd, .xyz or .txt");
 }
 
 }  // namespace
@@ -54,8 +48,8 @@ void write_cloud(const std::string& path, const PointCloud& cloud) {
   write_file_bytes(path, format_of(path).format(cloud));
 }
 
-bool is_cloud_path(const std::string& path) {
-  return find_format(path) != nullptr;
+void check_cloud_path(const std::string& path) {
+  format_of(path);
 }
 
 }  // namespace scanlock

@@ -29,7 +29,7 @@ PointCloud read_cloud(const std::string& path);
 /// fails.
 void write_cloud(const std::string& path, const PointCloud& cloud);
 
-/// True for a path that read_cloud knows by its extension.
-bool is_cloud_path(const std::string& path);
+/// Throws std::runtime_error where the extension names no format, as the two above do.
+void check_cloud_path(const std::string& path);
 
 }  // namespace scanlock

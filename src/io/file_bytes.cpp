@@ -2,18 +2,41 @@
 // SPDX-License-Identifier: MIT
 #include "io/file_bytes.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cerrno>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
+#include "io/atomic_file.hpp"
+#include "io/destination.hpp"
+
 namespace scanlock {
+namespace {
+
+/// A descriptor of our own, /dev/stdout, goes on where it is: opened anew, a file behind it would begin
+/// again.
+int open_special(const std::filesystem::path& path) {
+  if (path.parent_path() == "/proc/" + std::to_string(getpid()) + "/fd")
+    return dup(std::atoi(path.filename().c_str()));
+  return open(path.c_str(), O_WRONLY | O_CLOEXEC);
+}
+
+}  // namespace
 
 std::vector<std::uint8_t> read_file_bytes(const std::string& path) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw std::runtime_error(path + ": no such file");
-  if (!std::filesystem::is_regular_file(path, error)) throw std::runtime_error(path + ": not a regular file");
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found)
+    throw std::runtime_error(path + ": no such file");
+  if (error) throw std::runtime_error(path + ": cannot open: " + error.message());
+  if (std::filesystem::is_directory(status)) throw std::runtime_error(path + ": is a directory, not a file");
+  if (!std::filesystem::is_regular_file(status)) throw std::runtime_error(path + ": not a regular file");
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error(path + ": cannot open: " + std::strerror(errno));
@@ -25,12 +48,14 @@ std::vector<std::uint8_t> read_file_bytes(const std::string& path) {
 }
 
 void write_file_bytes(const std::string& path, std::string_view bytes) {
+  const Destination destination = destination_of(path);
+  if (destination.kind != Destination::Kind::kSpecial) return replace_file(path, bytes);
   errno = 0;
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  if (!file) throw std::runtime_error(path + ": cannot create: " + std::strerror(errno));
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) throw std::runtime_error(path + ": cannot write (is the disk full?)");
+  const int descriptor = open_special(destination.path);
+  std::FILE* const file = descriptor < 0 ? nullptr : fdopen(descriptor, "wb");
+  const bool written = file != nullptr && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  if ((file != nullptr && std::fclose(file) != 0) || !written)
+    throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
 }
 
 }  // namespace scanlock

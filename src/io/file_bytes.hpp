@@ -13,7 +13,8 @@ namespace scanlock {
 /// unreadable.
 std::vector<std::uint8_t> read_file_bytes(const std::string& path);
 
-/// Replaces the file. Throws std::runtime_error naming the path when the disk refuses any of it.
+/// Replaces the file as a whole (see replace_file()), or writes to the device, FIFO or descriptor that it is.
+/// Throws std::runtime_error naming the path and the system's reason when not all of it can be written.
 void write_file_bytes(const std::string& path, std::string_view bytes);
 
 }  // namespace scanlock

@@ -43,8 +43,11 @@ std::uint64_t LogReader::Header::event_size() const {
 
 LogReader::LogReader(const std::string& path) : path_(path) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw std::runtime_error(path + ": no such log file");
-  if (!std::filesystem::is_regular_file(path, error))
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found)
+    throw std::runtime_error(path + ": no such log file");
+  if (error) throw std::runtime_error(path + ": cannot open the log: " + error.message());
+  if (!std::filesystem::is_regular_file(status))
     throw std::runtime_error(path + ": not a regular file, so it cannot be read as an LCM log");
   errno = 0;
   file_.open(path, std::ios::binary);
@@ -171,9 +174,13 @@ std::optional<LogEvent> LogReader::next() {
   return std::nullopt;
 }
 
-LogWriter::LogWriter(const std::string& path) : path_(path) {
+void check_log(const std::string& path) {
+  if (!LogReader(path).next()) throw std::runtime_error(path + ": holds no event of an LCM log");
+}
+
+LogWriter::LogWriter(const std::string& path, Mode mode) : path_(path) {
   errno = 0;
-  file_.open(path, std::ios::binary | std::ios::trunc);
+  file_.open(path, std::ios::binary | (mode == Mode::kAppend ? std::ios::app : std::ios::trunc));
   if (!file_) throw std::runtime_error(path + ": cannot create the log: " + reason());
 }
 
@@ -189,16 +196,18 @@ void LogWriter::write(std::int64_t utime, const std::string& channel, const std:
   put_big_endian(static_cast<std::uint64_t>(utime), 8, header.data() + 12);
   put_big_endian(channel.size(), 4, header.data() + 20);
   put_big_endian(data.size(), 4, header.data() + 24);
+  errno = 0;
   file_.write(reinterpret_cast<const char*>(header.data()), static_cast<std::streamsize>(header.size()));
   file_.write(channel.data(), static_cast<std::streamsize>(channel.size()));
   file_.write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
-  if (!file_) throw std::runtime_error(path_ + ": cannot write the log (is the disk full?)");
+  if (!file_) throw std::runtime_error(path_ + ": cannot write the log: " + reason());
   ++next_number_;
 }
 
 void LogWriter::close() {
+  errno = 0;
   file_.close();
-  if (!file_) throw std::runtime_error(path_ + ": cannot finish the log (is the disk full?)");
+  if (!file_) throw std::runtime_error(path_ + ": cannot finish the log: " + reason());
 }
 
 }  // namespace scanlock

@@ -65,11 +65,16 @@ class LogReader {
   bool truncated_ = false;
 };
 
+/// Throws std::runtime_error naming the path for a file that cannot be read, or that holds no event: before a
+/// program opens anything for writing.
+void check_log(const std::string& path);
+
 /// Writes an LCM event log that lcm-logplayer plays. Throws std::runtime_error naming the path when a write
 /// fails.
 class LogWriter {
  public:
-  explicit LogWriter(const std::string& path);
+  enum class Mode : std::int8_t { kCreate, kAppend };
+  explicit LogWriter(const std::string& path, Mode mode = Mode::kCreate);
   /// utime: microseconds. Refuses a channel that is empty or longer than LCM's 63 characters, and data over
   /// 256 MiB.
   void write(std::int64_t utime, const std::string& channel, const std::vector<std::uint8_t>& data);

@@ -57,7 +57,7 @@ void read_pose2d(ByteReader& reader, RawPose& pose) {
   pose.position[0] = reader.read_float("x");
   pose.position[1] = reader.read_float("y");
   const double theta = reader.read_float("theta");
-  pose.rotation = Eigen::AngleAxisd(theta, Eigen::Vector3d::UnitZ());
+  pose.rotation = rotation_about_z(theta);
   reader.expect_end();
 }
 

@@ -95,8 +95,7 @@ PcdHeader read_pcd_header(TextLines& lines) {
       lay_out(lines, header);
       return header;
     } else {
-      lines.fail("'" + std::string(key.substr(0, 40)) +
-                 "' is no line of a PCD header: not a PCD file, or damaged");
+      lines.fail(quoted(key) + " is no line of a PCD header: not a PCD file, or damaged");
     }
   }
   lines.fail("the file ends before its DATA line");

@@ -26,7 +26,7 @@ constexpr std::array<TypeName, 8> kTypeNames = {{
 ScalarType parse_type(const TextLines& lines, std::string_view word) {
   for (const TypeName& known : kTypeNames)
     if (word == known.old_name || word == known.name) return known.type;
-  lines.fail("unknown type '" + std::string(word.substr(0, 40)) + "' of a property");
+  lines.fail("unknown type " + quoted(word) + " of a property");
 }
 
 PlyHeader::Format parse_format(const TextLines& lines, const std::vector<std::string_view>& words) {
@@ -100,7 +100,7 @@ PlyHeader read_ply_header(TextLines& lines) {
       if (header.elements.empty()) lines.fail("a property before the first element");
       header.elements.back().properties.push_back(parse_property(lines, words));
     } else {
-      lines.fail("unknown word '" + std::string(words[0].substr(0, 40)) + "' in the header");
+      lines.fail("unknown word " + quoted(words[0]) + " in the header");
     }
   }
   lines.fail("the file ends before `end_header`");

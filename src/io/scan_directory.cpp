@@ -66,6 +66,26 @@ std::string numbered(std::size_t number) {
   return buffer.data();
 }
 
+/// What a ScanDirectoryWriter left there, and nothing else.
+void remove_scans(const std::string& directory) {
+  std::vector<fs::path> ours;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory, error)) {
+    if (is_scan_directory_name(entry.path().filename().string()))
+      ours.push_back(entry.path());
+    else if (scan_number(entry.path()))
+      throw std::runtime_error(directory + ": holds scans of other names (" +
+                               entry.path().filename().string() + "); name another directory");
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(directory) / "ptime", error)) {
+    if (entry.path().extension() == ".f32") ours.push_back(entry.path());
+  }
+  for (const fs::path& path : ours) {
+    if (!fs::is_directory(path) && !fs::remove(path, error) && error)
+      throw std::runtime_error(path.string() + ": cannot be removed: " + error.message());
+  }
+}
+
 }  // namespace
 
 ScanDirectory::ScanDirectory(const std::string& path, const Clock& clock) : path_(path) {
@@ -120,11 +140,20 @@ Scan ScanDirectory::read(std::size_t index) const {
   return scan;
 }
 
-ScanDirectoryWriter::ScanDirectoryWriter(const std::string& path) : path_(path) {
+bool is_scan_directory_name(const std::string& name) {
+  const fs::path path = name;
+  const std::string stem = path.stem().string();
+  const bool numbered_as_here = stem.size() >= 6 && stem.find_first_not_of("0123456789") == std::string::npos;
+  return name == "times.txt" || name == "ptime" || (numbered_as_here && path.extension() == ".bin");
+}
+
+ScanDirectoryWriter::ScanDirectoryWriter(const std::string& path, bool overwrite) : path_(path) {
   std::error_code error;
   fs::create_directories(path_, error);
   if (error) throw std::runtime_error(path_ + ": cannot make the directory: " + error.message());
-  if (!fs::is_empty(path_, error) || error)
+  if (overwrite)
+    remove_scans(path_);
+  else if (!fs::is_empty(path_, error) || error)
     throw std::runtime_error(path_ + ": the directory is not empty; name a new one");
 }
 
@@ -133,7 +162,9 @@ void ScanDirectoryWriter::write(const Scan& scan) {
   const std::string name = numbered(count_++);
   write_cloud((directory / (name + ".bin")).string(), scan.points);
   if (scan.points.has_times()) {
-    fs::create_directories(directory / "ptime");
+    std::error_code error;
+    fs::create_directories(directory / "ptime", error);
+    if (error) throw std::runtime_error((directory / "ptime").string() + ": " + error.message());
     std::string bytes;
     append_rows(bytes, {{"time", &scan.points.time}});
     write_file_bytes((directory / "ptime" / (name + ".f32")).string(), bytes);

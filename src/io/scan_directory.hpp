@@ -49,9 +49,10 @@ class ScanDirectory {
 /// times.
 class ScanDirectoryWriter {
  public:
-  /// Makes the directory. Throws std::runtime_error naming it when it cannot, or when it is there and not
-  /// empty.
-  explicit ScanDirectoryWriter(const std::string& path);
+  /// Makes the directory. With `overwrite` what an earlier writer left in it is removed. Throws
+  /// std::runtime_error naming it when it cannot be made, when it is there and not empty, or, with
+  /// `overwrite`, when it holds scans of other names, which would mix with ours.
+  explicit ScanDirectoryWriter(const std::string& path, bool overwrite = false);
   void write(const Scan& scan);
   /// Writes times.txt; call it after the last scan.
   void close();
@@ -62,5 +63,8 @@ class ScanDirectoryWriter {
   std::string times_;
   std::size_t count_ = 0;
 };
+
+/// Whether ScanDirectoryWriter may write an entry of this name into its directory.
+bool is_scan_directory_name(const std::string& name);
 
 }  // namespace scanlock

@@ -101,12 +101,12 @@ ScanConversion directory_to_log(const ScanDirectory& directory, const std::strin
 }
 
 ScanConversion log_to_directory(const std::string& log_path, const std::string& channel,
-                                const std::string& directory_path, const Progress& progress) {
+                                const std::string& directory_path, const Progress& progress, bool overwrite) {
   LogReader reader(log_path);
   std::optional<ScanDirectoryWriter> writer;
   ScanConversion result;
   const auto take = [&](const Scan& scan) {
-    if (!writer) writer.emplace(directory_path);
+    if (!writer) writer.emplace(directory_path, overwrite);
     writer->write(scan);
     ++result.scans;
     result.points += scan.points.size();

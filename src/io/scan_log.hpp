@@ -38,8 +38,9 @@ ScanConversion directory_to_log(const ScanDirectory& directory, const std::strin
 
 /// Writes the scans of a channel, of any type that scanlock accepts, into a new directory; a damaged log
 /// gives what can be read. Throws std::runtime_error naming file and channel when there is no scan; the
-/// directory is made only then when there is one.
+/// directory is made only then when there is one. `overwrite`: see ScanDirectoryWriter.
 ScanConversion log_to_directory(const std::string& log_path, const std::string& channel,
-                                const std::string& directory_path, const Progress& progress);
+                                const std::string& directory_path, const Progress& progress,
+                                bool overwrite = false);
 
 }  // namespace scanlock

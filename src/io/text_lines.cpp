@@ -32,13 +32,6 @@ std::string_view take_word(std::string_view& text) {
   return word;
 }
 
-/// A word for an error message: not too long, nothing unprintable.
-std::string quoted(std::string_view word) {
-  std::string text = "'";
-  for (char c : word.substr(0, 40)) text += c >= 0x20 && c < 0x7f ? c : '?';
-  return text + (word.size() > 40 ? "...'" : "'");
-}
-
 }  // namespace
 
 std::optional<std::string_view> TextLines::next() {
@@ -61,7 +54,7 @@ std::optional<std::string_view> TextLines::next_with_content() {
 }
 
 void TextLines::fail(const std::string& what) const {
-  throw std::runtime_error(path_ + ":" + std::to_string(line_) + ": " + what);
+  throw std::runtime_error(path_ + (line_ > 0 ? ":" + std::to_string(line_) : "") + ": " + what);
 }
 
 void TextLines::parse_numbers(std::string_view text, std::vector<double>& numbers) const {
@@ -87,6 +80,12 @@ void TextLines::parse_finite(std::string_view text, std::vector<double>& numbers
   parse_numbers(text, numbers);
   for (std::size_t i = 0; i < numbers.size(); ++i)
     if (!std::isfinite(numbers[i])) fail("number " + std::to_string(i + 1) + " of the line is not finite");
+}
+
+std::string quoted(std::string_view word) {
+  std::string text = "'";
+  for (char c : word.substr(0, 40)) text += c >= 0x20 && c < 0x7f ? c : '?';
+  return text + (word.size() > 40 ? "...'" : "'");
 }
 
 std::vector<std::string_view> split_words(std::string_view text) {

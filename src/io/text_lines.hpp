@@ -27,7 +27,7 @@ class TextLines {
   std::size_t offset() const { return offset_; }  ///< bytes consumed
   std::size_t bytes_left() const { return text_.size() - offset_; }
 
-  /// Throws std::runtime_error "PATH:LINE: what".
+  /// Throws std::runtime_error "PATH:LINE: what", before the first line "PATH: what".
   [[noreturn]] void fail(const std::string& what) const;
   /// The words of a line as numbers ("nan" and "inf" are numbers); fails naming the word that is none.
   void parse_numbers(std::string_view text, std::vector<double>& numbers) const;
@@ -39,6 +39,9 @@ class TextLines {
   std::string_view text_;
   std::size_t line_ = 0, offset_ = 0;
 };
+
+/// A word for an error message: in quotes, not too long, nothing unprintable.
+std::string quoted(std::string_view word);
 
 /// Splits at blanks, tabs and commas.
 std::vector<std::string_view> split_words(std::string_view text);

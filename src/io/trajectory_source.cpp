@@ -8,14 +8,15 @@
 
 namespace scanlock {
 
+std::string trajectory_file(const std::string& source) {
+  std::error_code error;
+  return std::filesystem::exists(source, error) ? source : source.substr(0, source.rfind(':'));
+}
+
 LoadedTrajectory load_trajectory(const std::string& source) {
-  std::string path = source, channel = kDefaultPoseChannel;
-  const std::size_t colon = source.rfind(':');
-  const bool names_channel = colon != std::string::npos && !std::filesystem::exists(source);
-  if (names_channel) {
-    path = source.substr(0, colon);
-    channel = source.substr(colon + 1);
-  }
+  const std::string path = trajectory_file(source);
+  const bool names_channel = path != source;
+  const std::string channel = names_channel ? source.substr(path.size() + 1) : kDefaultPoseChannel;
   LoadedTrajectory loaded;
   loaded.name = std::filesystem::path(path).filename().string();
   if (!names_channel && !is_log(path)) {

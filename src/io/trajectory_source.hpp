@@ -18,6 +18,9 @@ struct LoadedTrajectory {
   std::string warning;    ///< a sentence for the person at the terminal, or empty
 };
 
+/// The file of what load_trajectory() takes.
+std::string trajectory_file(const std::string& source);
+
 /// Loads what a person names on a command line: a TUM or KITTI file (told apart by content), LOG:CHANNEL, or
 /// LOG alone for kDefaultPoseChannel. Throws std::runtime_error as the readers do.
 LoadedTrajectory load_trajectory(const std::string& source);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/elementary.hpp"
 #include "messages/point_times.hpp"
 #include "messages/scan_types.hpp"
 
@@ -53,7 +54,7 @@ bool keep_point(float x, float y, float z, DecodedScan& decoded) {
 /// A return of a planar scanner; a range that is not positive is no return.
 bool keep_beam(float range, float angle, DecodedScan& decoded) {
   if (!(range > 0)) range = std::nanf("");
-  return keep_point(range * std::cos(angle), range * std::sin(angle), 0.0f, decoded);
+  return keep_point(range * cos(angle), range * sin(angle), 0.0f, decoded);
 }
 
 }  // namespace

@@ -123,8 +123,8 @@ void read_pose2d(ByteReader& reader, PoseReport& report) {
   const double theta = static_cast<double>(reader.read_float("theta"));
   if (reader.ok() && !(std::isfinite(x) && std::isfinite(y) && std::isfinite(theta)))
     return reader.fail(DecodeFault::kBadField, "`x`, `y` or `theta` is not finite");
-  report.map_from_body =
-      Pose(Eigen::Translation3d(x, y, 0) * Eigen::AngleAxisd(theta, Eigen::Vector3d::UnitZ()));
+  report.map_from_body.linear() = rotation_about_z(theta);
+  report.map_from_body.translation() = Eigen::Vector3d(x, y, 0);
 }
 
 void read_odometry(ByteReader& reader, OdometryReport& report) {
@@ -171,6 +171,8 @@ void read_status(ByteReader& reader, StatusReport& report) {
   report.host = text(reader, "host");
   report.state = read_enum(reader, "state", TrackingState::kLost);
   report.scans_received = reader.read_i64("scans_received");
+  report.sectors_received = reader.read_i64("sectors_received");
+  report.sectors_discarded = reader.read_i64("sectors_discarded");
   report.scans_used = reader.read_i64("scans_used");
   report.scans_replaced = reader.read_i64("scans_replaced");
   report.scans_incomplete = reader.read_i64("scans_incomplete");
@@ -181,6 +183,9 @@ void read_status(ByteReader& reader, StatusReport& report) {
   report.rejected_empty = reader.read_i64("rejected_empty");
   report.rejected_duplicate_time = reader.read_i64("rejected_duplicate_time");
   report.rejected_backward_time = reader.read_i64("rejected_backward_time");
+  report.rejected_clock = reader.read_i64("rejected_clock");
+  report.clock_steps = reader.read_i64("clock_steps");
+  report.scans_without_time = reader.read_i64("scans_without_time");
   report.nonfinite_points = reader.read_i64("nonfinite_points");
   report.kernel_drops = reader.read_i64("kernel_drops");
   report.publish_errors = reader.read_i64("publish_errors");
@@ -273,6 +278,10 @@ Decoded<Command> decode_command(const std::uint8_t* data, std::size_t size) {
     command.kind = read_enum(reader, "command", CommandKind::kLoadMap, CommandKind::kSetPose);
     if (command.kind == CommandKind::kSetPose) {
       command.map_from_body = read_pose(reader, "pos", "quat");
+      constexpr double kFarthest =
+          1e7;  // metres: no place on Earth is farther from another along its surface
+      if (!(command.map_from_body.translation().norm() <= kFarthest))
+        reader.fail(DecodeFault::kBadField, "`pos` is over 10000 km from the map's origin");
     } else {  // of no use to this command, and senders leave it zero
       double unused[7];
       reader.read_doubles(unused, 7, "pos or quat");

@@ -42,6 +42,7 @@ struct DecodedScan {
       time_field;  ///< how the times of points were understood, or why they were not; for a person to read
   int sector_index = 0;  ///< scan_sector_t: this is one slice of `sector_count`; see sector_assembler.hpp
   int sector_count = 1;
+  bool is_sector() const { return type == "scanlock.scan_sector_t"; }
   std::size_t sectors_missing = 0;  ///< set by SectorAssembler: slices that never came
 };
 

@@ -12,6 +12,7 @@
 #include <scanlock/recovery_t.hpp>
 #include <scanlock/status_t.hpp>
 
+#include "geometry/elementary.hpp"
 #include "messages/generated_bytes.hpp"
 
 namespace scanlock {
@@ -85,7 +86,7 @@ Bytes encode_pose2d(const TrackedScan& tracked) {
   message.utime = tracked.utime;
   message.x = static_cast<float>(tracked.map_from_body.translation().x());
   message.y = static_cast<float>(tracked.map_from_body.translation().y());
-  message.theta = static_cast<float>(std::atan2(rotation(1, 0), rotation(0, 0)));
+  message.theta = static_cast<float>(atan2(rotation(1, 0), rotation(0, 0)));
   return generated_bytes(message);
 }
 
@@ -165,6 +166,8 @@ Bytes encode_status(const StatusReport& report) {
   message.host = wire_string(report.host);
   message.state = static_cast<std::int8_t>(report.state);
   message.scans_received = report.scans_received;
+  message.sectors_received = report.sectors_received;
+  message.sectors_discarded = report.sectors_discarded;
   message.scans_used = report.scans_used;
   message.scans_replaced = report.scans_replaced;
   message.scans_incomplete = report.scans_incomplete;
@@ -175,6 +178,9 @@ Bytes encode_status(const StatusReport& report) {
   message.rejected_empty = report.rejected_empty;
   message.rejected_duplicate_time = report.rejected_duplicate_time;
   message.rejected_backward_time = report.rejected_backward_time;
+  message.rejected_clock = report.rejected_clock;
+  message.clock_steps = report.clock_steps;
+  message.scans_without_time = report.scans_without_time;
   message.nonfinite_points = report.nonfinite_points;
   message.kernel_drops = report.kernel_drops;
   message.publish_errors = report.publish_errors;

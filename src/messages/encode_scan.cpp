@@ -11,6 +11,7 @@
 #include <drake/lcmt_point_cloud.hpp>
 #include <sensor_msgs/PointCloud2.hpp>
 
+#include "geometry/elementary.hpp"
 #include "messages/generated_bytes.hpp"
 
 namespace scanlock {
@@ -161,9 +162,9 @@ Bytes encode_planar_lidar(const Scan& scan, int beams, double half_height_m) {
   message.rad0 = static_cast<float>(-M_PI);
   message.radstep = static_cast<float>(step);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const float range = std::hypot(points.x[i], points.y[i]);
+    const float range = hypot(points.x[i], points.y[i]);
     if (!(std::abs(points.z[i]) <= half_height_m) || !std::isfinite(range) || range == 0) continue;
-    const double angle = std::atan2(points.y[i], points.x[i]) + M_PI;
+    const double angle = atan2(points.y[i], points.x[i]) + M_PI;
     const auto beam = static_cast<std::size_t>(std::lround(angle / step) % count);
     if (message.ranges[beam] != 0 && message.ranges[beam] <= range) continue;
     message.ranges[beam] = range;

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <scanlock/scan_sector_t.hpp>
 
+#include "geometry/elementary.hpp"
 #include "messages/encode_scan.hpp"
 #include "messages/generated_bytes.hpp"
 
@@ -30,7 +31,7 @@ Order sweep_order(const PointCloud& points) {
     if (usable(points.x[i]) && usable(points.y[i]) && usable(points.z[i]) && timely(i)) order.push_back(i);
   std::vector<float> key(points.size());
   for (const std::uint32_t i : order)
-    key[i] = points.has_times() ? points.time[i] : std::atan2(points.y[i], points.x[i]);
+    key[i] = points.has_times() ? points.time[i] : atan2(points.y[i], points.x[i]);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return key[a] < key[b]; });
   return order;

@@ -11,6 +11,21 @@ std::uint64_t message_fingerprint(const std::uint8_t* data, std::size_t size) {
   return value;
 }
 
+bool is_scan_type(std::uint64_t message_fingerprint) {
+  switch (message_fingerprint) {
+    case fingerprint::kPointcloud2:
+    case fingerprint::kPointcloud:
+    case fingerprint::kPlanarLidar:
+    case fingerprint::kDrakePointCloud:
+    case fingerprint::kRosPointCloud2:
+    case fingerprint::kMbotLidar:
+    case fingerprint::kScanSector:
+      return true;
+    default:
+      return false;
+  }
+}
+
 const char* type_name(std::uint64_t message_fingerprint) {
   switch (message_fingerprint) {
     case fingerprint::kPointcloud2:

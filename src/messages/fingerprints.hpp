@@ -23,7 +23,7 @@ constexpr std::uint64_t kIns = 0x88a7df61422b0840;              // bot_core.ins_
 constexpr std::uint64_t kNavOdometry = 0x94e17f94648cf0e4;      // nav_msgs.Odometry
 constexpr std::uint64_t kPose2d = 0x1f317af1246276ac;           // mbot_lcm_msgs.pose2D_t
 constexpr std::uint64_t kOdometry = 0x45be9166d28b2ef0;         // scanlock.odometry_t
-constexpr std::uint64_t kStatus = 0x943d3dcbcd9d3158;           // scanlock.status_t
+constexpr std::uint64_t kStatus = 0x05e9a23aa429a5b3;           // scanlock.status_t
 constexpr std::uint64_t kRecovery = 0x4ddfc198365ba933;         // scanlock.recovery_t
 constexpr std::uint64_t kCommand = 0x12352c27f5965257;          // scanlock.command_t
 }  // namespace fingerprint
@@ -33,5 +33,8 @@ std::uint64_t message_fingerprint(const std::uint8_t* data, std::size_t size);
 
 /// "bot_core.pose_t" and so on for the types above, nullptr for every other.
 const char* type_name(std::uint64_t message_fingerprint);
+
+/// Whether it is one of the types above that hold a scan or a part of one.
+bool is_scan_type(std::uint64_t message_fingerprint);
 
 }  // namespace scanlock

@@ -49,6 +49,8 @@ struct StatusReport {
   TrackingState state = TrackingState::kInitialising;
 
   std::int64_t scans_received = 0;
+  std::int64_t sectors_received = 0;
+  std::int64_t sectors_discarded = 0;
   std::int64_t scans_used = 0;
   std::int64_t scans_replaced = 0;
   std::int64_t scans_incomplete = 0;
@@ -59,6 +61,9 @@ struct StatusReport {
   std::int64_t rejected_empty = 0;
   std::int64_t rejected_duplicate_time = 0;
   std::int64_t rejected_backward_time = 0;
+  std::int64_t rejected_clock = 0;
+  std::int64_t clock_steps = 0;
+  std::int64_t scans_without_time = 0;
   std::int64_t nonfinite_points = 0;
   std::int64_t kernel_drops = 0;
   std::int64_t publish_errors = 0;

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: MIT
 #include "messages/sector_assembler.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace scanlock {
 namespace {
 
-/// A sector older than the current scan by less than this is late; by more, the sender has begun anew.
-constexpr std::int64_t kLatenessUs = 1000000;
+/// Scans whose late sectors are known for what they are. Stamps cannot tell: clocks step.
+constexpr std::size_t kRemembered = 16;
 
 void append(std::vector<float>& to, const std::vector<float>& from) {
   to.insert(to.end(), from.begin(), from.end());
@@ -36,29 +37,30 @@ PointCloud joined(const std::map<int, PointCloud>& slices) {
 
 std::vector<DecodedScan> SectorAssembler::add(DecodedScan decoded) {
   std::vector<DecodedScan> finished;
-  if (decoded.fault != DecodeFault::kNone || decoded.type != "scanlock.scan_sector_t") {
+  if (decoded.fault != DecodeFault::kNone || !decoded.is_sector()) {
     finished.push_back(std::move(decoded));
     return finished;
   }
-  const bool same_scan = any_ && decoded.scan.utime == newest_utime_ && decoded.seq == newest_seq_;
-  if (same_scan ? !waiting_.has_value() : is_late(decoded)) {
-    ++discarded_sectors_;
-    return finished;
-  }
-  if (!same_scan) {
+  const Key key(decoded.scan.utime, decoded.seq);
+  const bool current = waiting_ && !begun_.empty() && key == begun_.back();
+  if (!current) {
+    const bool named = key != Key(0, 0);  // a sender that gives neither stamp nor count begins anew each time
+    if (named && std::find(begun_.begin(), begun_.end(), key) != begun_.end()) {
+      discard("its scan had gone out already");
+      return finished;
+    }
     if (std::optional<DecodedScan> incomplete = flush()) finished.push_back(std::move(*incomplete));
-    any_ = true;
-    newest_utime_ = decoded.scan.utime;
-    newest_seq_ = decoded.seq;
-    waiting_.emplace();
+    begin(key);
   }
-  if (!insert(decoded)) {
-    ++discarded_sectors_;
-    return finished;
-  }
-  if (waiting_->points.size() == static_cast<std::size_t>(waiting_->head.sector_count))
+  if (insert(decoded) && waiting_->points.size() == static_cast<std::size_t>(waiting_->head.sector_count))
     finished.push_back(*flush());
   return finished;
+}
+
+void SectorAssembler::begin(const Key& key) {
+  begun_.push_back(key);
+  if (begun_.size() > kRemembered) begun_.pop_front();
+  waiting_.emplace();
 }
 
 std::optional<DecodedScan> SectorAssembler::flush() {
@@ -70,19 +72,19 @@ std::optional<DecodedScan> SectorAssembler::flush() {
   return scan;
 }
 
-bool SectorAssembler::is_late(const DecodedScan& sector) const {
-  if (!any_) return false;
-  // Unsigned: the stamps are whatever a sender wrote, and their difference may not fit.
-  const std::uint64_t age =
-      static_cast<std::uint64_t>(newest_utime_) - static_cast<std::uint64_t>(sector.scan.utime);
-  return sector.scan.utime < newest_utime_ && age < static_cast<std::uint64_t>(kLatenessUs);
+bool SectorAssembler::discard(const char* why) {
+  ++discarded_sectors_;
+  last_discarded_ = why;
+  return false;
 }
 
 bool SectorAssembler::insert(DecodedScan& sector) {
   Slices& slices = *waiting_;
-  if (slices.point_count + sector.scan.points.size() > max_points_) return false;
-  if (!slices.points.empty() && sector.sector_count != slices.head.sector_count) return false;
-  if (slices.points.count(sector.sector_index) > 0) return false;
+  if (slices.point_count + sector.scan.points.size() > max_points_)
+    return discard("its scan has too many points");
+  if (!slices.points.empty() && sector.sector_count != slices.head.sector_count)
+    return discard("it disagrees with the others on how many there are");
+  if (slices.points.count(sector.sector_index) > 0) return discard("it came twice");
   slices.point_count += sector.scan.points.size();
   slices.points.emplace(sector.sector_index, std::exchange(sector.scan.points, {}));
   if (slices.points.size() == 1) {

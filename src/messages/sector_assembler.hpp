@@ -4,8 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "messages/decode_scan.hpp"
@@ -33,22 +36,25 @@ class SectorAssembler {
   /// Sectors that were thrown away: twice the same, of a scan that had gone out already, or contradicting
   /// their scan.
   std::int64_t discarded_sectors() const { return discarded_sectors_; }
+  /// Why the last of those was, in words.
+  const std::string& last_discarded() const { return last_discarded_; }
 
  private:
+  using Key = std::pair<std::int64_t, std::int32_t>;  ///< stamp and count of a scan
   struct Slices {
     DecodedScan head;                  ///< of the first sector that came, without its points
     std::map<int, PointCloud> points;  ///< by sector index
     std::size_t point_count = 0;
   };
-  bool is_late(const DecodedScan& sector) const;
+  void begin(const Key& key);
   bool insert(DecodedScan& sector);
+  bool discard(const char* why);
 
   std::size_t max_points_;
   std::optional<Slices> waiting_;
-  bool any_ = false;               ///< at least one scan has begun
-  std::int64_t newest_utime_ = 0;  ///< stamp and count of the scan that began last
-  std::int32_t newest_seq_ = 0;
+  std::deque<Key> begun_;  ///< the last few scans that have begun, the newest last
   std::int64_t discarded_sectors_ = 0;
+  std::string last_discarded_;
 };
 
 }  // namespace scanlock

@@ -27,6 +27,12 @@ constexpr double kAtLeast = 0.03;                      // that much more: clearl
 constexpr double kHopeless = 2.0;                      // times the cost: out
 constexpr std::uint32_t kOnTheGround = 1u | 2u | 32u;  // x, y, yaw
 
+/// Whether two corrections put a body that is predicted there to about the same pose. (Their own translations
+/// say nothing: they grow with the distance from the map's origin.)
+bool same_place(const Pose& a, const Pose& b, const Pose& predicted, double metres, double radians) {
+  return near(a * predicted, b * predicted, metres, radians);
+}
+
 /// Whether the place slides along what is seen: a tunnel is the same everywhere.
 bool is_open(const Attempt& attempt) {
   return (attempt.open_axes() & kOnTheGround) != 0;
@@ -61,8 +67,7 @@ Contest::Contest(const Pose& map_from_predicted, int wins)
 void Contest::note_standing(const Pose& map_from_predicted, const Excursion& excursion) {
   const Pose& predicted = excursion.state().pose;
   for (auto rival = places_.begin() + 1; rival != places_.end(); ++rival) {
-    if (!near(rival->map_from_predicted * predicted, map_from_predicted * predicted, kSamePlace,
-              kSameHeading))
+    if (!same_place(rival->map_from_predicted, map_from_predicted, predicted, kSamePlace, kSameHeading))
       continue;
     rival->standing = true;
     rival->least_share = kStandingShare;
@@ -117,7 +122,7 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
   std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
     return a.fits != b.fits ? a.fits : a.attempt.cost() < b.attempt.cost();
   });
-  drop_losers();
+  drop_losers(excursion.state().pose);
   const Place& leader = places_.front();
   if (!leader.fits) {
     wins_ = 0;
@@ -127,7 +132,8 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
     return !other.fits || (is_worse(other, leader, kClearly, 0) && is_worse(other, leader, 1, kAtLeast));
   });
   if (clear && !expected_ && is_open(leader.attempt)) return Outcome::kUndecided;
-  const bool same = !led || near(led_by, leader.map_from_predicted, 1.0, 6.0 * kDegree);
+  const bool same =
+      !led || same_place(led_by, leader.map_from_predicted, excursion.state().pose, 1.0, 6.0 * kDegree);
   wins_ = !clear || !leader.could_win ? 0 : same ? wins_ + 1 : 1;
   if (wins_ >= kWins) return Outcome::kWon;
   return ++scans_ >= kPatience ? Outcome::kUndecided : Outcome::kOpen;
@@ -146,7 +152,7 @@ std::vector<Pose> Contest::places() const {
 }
 
 /// Who has missed too often, is far behind, or has come to stand where a better one is.
-void Contest::drop_losers() {
+void Contest::drop_losers(const Pose& predicted) {
   std::vector<Place> left;
   for (Place& place : places_) {
     const bool first = left.empty();
@@ -154,7 +160,7 @@ void Contest::drop_losers() {
                      (place.missed > kMissesAllowed ||
                       (!first && left.front().fits && is_worse(place, left.front(), kHopeless, kAtLeast)));
     const bool taken = std::any_of(left.begin(), left.end(), [&](const Place& other) {
-      return near(other.map_from_predicted, place.map_from_predicted, 0.3, 3.0 * kDegree);
+      return same_place(other.map_from_predicted, place.map_from_predicted, predicted, 0.3, 3.0 * kDegree);
     });
     if (first || (!out && !taken)) left.push_back(std::move(place));
   }

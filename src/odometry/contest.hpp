@@ -57,7 +57,7 @@ class Contest {
   void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion, int* far_looks,
                  Place& place) const;
   static bool is_worse(const Place& place, const Place& leader, double times, double more);
-  void drop_losers();
+  void drop_losers(const Pose& predicted);
 
   std::vector<Place> places_;  ///< never empty; the leader first
   int wins_ = 0, scans_ = 0;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/elementary.hpp"
 #include "geometry/voxel_grid.hpp"
 
 namespace scanlock {
@@ -21,7 +22,7 @@ constexpr float kStandStep = 0.05F;          // radians, between two that count 
 
 template <typename Vector>
 bool stands_alike(const std::vector<Vector>& stands, const Vector& up) {
-  const auto least = std::cos(static_cast<typename Vector::Scalar>(kStandStep));
+  const auto least = cos(static_cast<typename Vector::Scalar>(kStandStep));
   return std::any_of(stands.begin(), stands.end(),
                      [&](const Vector& other) { return up.dot(other) > least; });
 }
@@ -31,6 +32,17 @@ bool is_fresh(const ArchivedKeyframe& k, std::int64_t utime) {
 }
 
 }  // namespace
+
+SavedMap moved(const SavedMap& map, const Pose& there_from_here) {
+  SavedMap result = map;
+  result.last_pose = renormalised(there_from_here * map.last_pose);
+  const Eigen::Matrix3f turn = there_from_here.linear().cast<float>();
+  for (ArchivedKeyframe& keyframe : result.keyframes) {
+    keyframe.map_from_body = renormalised(there_from_here * keyframe.map_from_body);
+    for (Eigen::Vector3f& stand : keyframe.stands) stand = turn * stand;
+  }
+  return result;
+}
 
 bool KeyframeArchive::wants(std::int64_t utime, const Eigen::Vector3d& position, double reach) const {
   const double spacing = kSpacing * reach;
@@ -49,7 +61,8 @@ double KeyframeArchive::scene(const Eigen::Vector3d& position) const {
   double sum = 0, weights = 0;
   for (const ArchivedKeyframe& k : keyframes_) {
     const double distance = (k.map_from_body.translation() - position).norm();
-    const double weight = 1.0 / (1.0 + std::pow(distance / kNeighbourhood, 4));
+    const double square = (distance / kNeighbourhood) * (distance / kNeighbourhood);
+    const double weight = 1.0 / (1.0 + square * square);
     sum += weight * k.reach;
     weights += weight;
   }

@@ -30,6 +30,9 @@ struct SavedMap {
   std::vector<ArchivedKeyframe> keyframes;  ///< oldest first
 };
 
+/// The same map in another frame, whose z axis must point the same way; the points are shared.
+SavedMap moved(const SavedMap& map, const Pose& there_from_here);
+
 /// The long memory: places spread over all mapped ground, for coming back to. What it costs is bounded by its
 /// cap. Who drives over known ground again renews it: odometry drifts, and places of hours ago would lie
 /// beside those of now. Copies are cheap: they share the points.

@@ -63,6 +63,9 @@ class Odometer {
   /// of the same sensor. Without effect once it knows for itself.
   void take_usual_from(const Odometer& other);
 
+  /// Forgets what alignments cost here: the next one that is accepted says it anew.
+  void forget_usual() { health_.forget(); }
+
   /// At rest there, the velocity unknown.
   void set_pose(const Pose& map_from_body) { filter_.start({map_from_body, Vector6::Zero()}); }
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -88,7 +90,7 @@ std::optional<std::string> PriorJudge::learn_level(const PriorSample& sample, co
   const Eigen::Vector3d up =
       tracked.map_from_body.linear() * (level_from_sensor.conjugate() * Eigen::Vector3d::UnitZ());
   if (!up_) up_ = up;
-  const double tilt = std::atan2(up_->cross(up).norm(), up_->dot(up));
+  const double tilt = atan2(up_->cross(up).norm(), up_->dot(up));
   up_ = (*up_ + kUpGain * (up - *up_)).normalized();
   if (!level_.count(!(tilt <= kMostTilt))) return std::nullopt;
   if (level_.trusted) return "the attitude prior agrees with the scans again and is used";

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 
+#include "geometry/elementary.hpp"
 #include "geometry/voxel_grid.hpp"
 
 namespace scanlock {
@@ -102,13 +104,34 @@ bool looks_around(const PointCloud& points) {
   return std::count_if(counts.begin(), counts.end(), [&](std::size_t n) { return n <= least; }) <= kMostEmpty;
 }
 
+std::string why_too_few(const PointCloud& points, const CroppedScan& cropped, double min_range,
+                        double max_range) {
+  std::vector<float> ranges;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const float range = points.point(i).norm();
+    if (std::isfinite(range)) ranges.push_back(range);
+  }
+  if (ranges.empty()) return "it has no point";
+  const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+  std::nth_element(ranges.begin(), middle, ranges.end());
+  constexpr double kMostLidars = 400;  // metres: beyond the reach of nearly all of them
+  char text[256];
+  std::snprintf(
+      text, sizeof text,
+      "%zu of its %zu points are from %g to %g m away (tracker.min_range_m, max_range_m), too few to "
+      "align; their median range is %.3g m%s",
+      cropped.indices.size(), points.size(), min_range, max_range, static_cast<double>(*middle),
+      *middle > kMostLidars ? ": are they millimetres?" : "");
+  return text;
+}
+
 VoxelScale::VoxelScale(int wanted, double min_voxel, double max_voxel)
     : wanted_(wanted), min_voxel_(min_voxel), max_voxel_(max_voxel) {}
 
 double VoxelScale::current(double median_range) {
   if (voxel_ == 0 && median_range > 0) {
-    voxel_ = std::clamp(std::exp2(std::round(4.0 * std::log2(kVoxelPerRange * median_range)) / 4.0),
-                        min_voxel_, max_voxel_);
+    voxel_ =
+        std::clamp(exp2(std::round(4.0 * log2(kVoxelPerRange * median_range)) / 4.0), min_voxel_, max_voxel_);
   }
   return voxel_ > 0 ? voxel_ : max_voxel_;
 }

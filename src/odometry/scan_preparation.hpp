@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "geometry/point_cloud.hpp"
@@ -47,6 +48,10 @@ struct PreparedScan {
 };
 /// Whether there are points on all sides (of the z axis), but for a quarter at most.
 bool looks_around(const PointCloud& points);
+
+/// Why too few points of a scan are left to align, in words for who set the ranges (metres).
+std::string why_too_few(const PointCloud& points, const CroppedScan& cropped, double min_range,
+                        double max_range);
 
 PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, VoxelScale* scale, bool first,
                        int max_source_points);

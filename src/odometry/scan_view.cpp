@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "geometry/angles.hpp"
+#include "geometry/elementary.hpp"
 
 namespace scanlock {
 namespace {
@@ -24,8 +25,8 @@ std::size_t cell(int row, int column) {
 /// The cell that a direction is in; none for the origin.
 std::size_t cell_of(const Eigen::Vector3f& p, float range) {
   constexpr auto kHalfTurn = static_cast<float>(kPi);
-  const float turn = std::atan2(p.y(), p.x()) / kHalfTurn;                                    // -1 to 1
-  const float tilt = std::asin(std::clamp(p.z() / range, -1.0f, 1.0f)) / (0.5f * kHalfTurn);  // -1 to 1
+  const float turn = atan2(p.y(), p.x()) / kHalfTurn;                                    // -1 to 1
+  const float tilt = asin(std::clamp(p.z() / range, -1.0f, 1.0f)) / (0.5f * kHalfTurn);  // -1 to 1
   const int column = static_cast<int>(0.5f * (turn + 1) * kColumns) % kColumns;
   const int row = std::min(static_cast<int>(0.5f * (tilt + 1) * kRows), kRows - 1);
   return cell(row, column);

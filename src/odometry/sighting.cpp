@@ -9,7 +9,7 @@
 namespace scanlock {
 namespace {
 
-constexpr std::int64_t kComparable = 500000;  // microseconds
+constexpr std::int64_t kComparable = 3000000;  // microseconds
 
 }  // namespace
 

@@ -62,6 +62,8 @@ const char* to_string(ScanVerdict verdict) {
       return "duplicate utime";
     case ScanVerdict::kBackwardTime:
       return "backward utime";
+    case ScanVerdict::kOtherClock:
+      return "utime of another clock";
   }
   return "?";
 }

@@ -38,13 +38,14 @@ enum class StopReason : std::int8_t {
 };
 const char* to_string(StopReason reason);
 
-/// What became of a scan. After one with a bad time the tracker is as before; after an empty one the pose is
+/// What became of a scan. After one with a bad stamp the tracker is as before; after an empty one the pose is
 /// predicted.
 enum class ScanVerdict : std::int8_t {
   kTracked = 0,
   kEmpty = 1,          ///< too few finite points within the range limits
   kDuplicateTime = 2,  ///< same utime as the scan before
-  kBackwardTime = 3,   ///< earlier than the scan before, by less than `restart_after_s`
+  kBackwardTime = 3,   ///< up to a second earlier than the scan before
+  kOtherClock = 4,     ///< stamped by another clock than the scans around it
 };
 const char* to_string(ScanVerdict verdict);
 
@@ -64,6 +65,7 @@ struct Recovery {
 struct TrackedScan {
   std::int64_t utime = 0;
   ScanVerdict verdict = ScanVerdict::kTracked;
+  std::string why;  ///< the scan was not used, in words; empty where it was
   TrackingState state = TrackingState::kInitialising;
   PoseMethod method = PoseMethod::kNone;
   StopReason stop_reason = StopReason::kNone;
@@ -73,13 +75,17 @@ struct TrackedScan {
       Matrix6::Zero();  ///< of the pose, right perturbation: T exp(xi), order [u; phi], in the body frame
   std::uint32_t degenerate_axes = 0;  ///< bit 0..2: x y z translation, 3..5: rotation about x y z (body axes)
   std::uint32_t epoch = 0;            ///< counts the jumps of the map frame
-  int iterations = 0;                 ///< of the alignment
-  int points_in = 0;                  ///< points of the scan as it came
-  int points_used = 0;                ///< source points of the alignment
-  int inliers = 0;                    ///< of those, the ones that found their surface
-  double energy = 0;                  ///< mean Welsch energy per source point at a fixed scale, 0 to 1
-  double energy_baseline = 0;         ///< its recent median
-  double energy_score = 0;            ///< robust z-score of the energy against its history
+  bool localised = true;              ///< false: a map was loaded, and no place in it is believed so far
+  /// The clock of the scans stepped: the stamp of the last scan by the old one, microseconds.
+  std::optional<std::int64_t> clock_step_from;
+  bool interleaved = false;    ///< rejected as many before it: they advance as a clock of their own
+  int iterations = 0;          ///< of the alignment
+  int points_in = 0;           ///< points of the scan as it came
+  int points_used = 0;         ///< source points of the alignment
+  int inliers = 0;             ///< of those, the ones that found their surface
+  double energy = 0;           ///< mean Welsch energy per source point at a fixed scale, 0 to 1
+  double energy_baseline = 0;  ///< its recent median
+  double energy_score = 0;     ///< robust z-score of the energy against its history
   int keyframes = 0;
   int map_points = 0;
   std::optional<Recovery> recovery;  ///< one came to its end with this scan

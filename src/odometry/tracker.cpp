@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "geometry/angles.hpp"
+#include "geometry/moved_cloud.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/open_axes.hpp"
 #include "odometry/relocation.hpp"
+#include "odometry/scan_clock.hpp"
 #include "odometry/scan_preparation.hpp"
 
 namespace scanlock {
@@ -29,10 +32,11 @@ constexpr double kWithinReach = 0.08, kWithinTurn = 5.0 * kDegree;
 constexpr double kUnusualGap = 10, kMostGap = 30;
 constexpr double kStrayGap =
     1;  // lorries close by have 0.5, kidnaps that nothing else tells of mostly 6 and more
-constexpr double kDegradedShare = 0.4;  // of the points of a scan: fewer are explained
-constexpr int kQuietScans = 5;          // after that, before the map may grow
-constexpr int kAttitudes = 100;         // that the upward direction is averaged over
-constexpr int kFalseStarts = 3;         // scans that do not fit the first one: it was no good
+constexpr double kDegradedShare = 0.4;            // of the points of a scan: fewer are explained
+constexpr int kQuietScans = 5;                    // after that, before the map may grow
+constexpr int kAttitudes = 100;                   // that the upward direction is averaged over
+constexpr std::int64_t kAnotherRun = 3600000000;  // microseconds
+constexpr int kFalseStarts = 3;                   // scans that do not fit the first one: it was no good
 
 Eigen::Vector3d up_in_body(const ScanPrior& hints) {
   return hints.level_from_body->conjugate() * Eigen::Vector3d::UnitZ();
@@ -52,9 +56,16 @@ struct Tracker::State {
 
   TrackingState state = TrackingState::kInitialising;
   std::uint32_t epoch = 0;
-  std::int64_t last_utime = 0;
-  bool begun = false;
-  Pose start_pose = Pose::Identity();  // of the first scan
+  ScanClock clock;
+  std::int64_t last_utime = 0;  // stamp
+  // Microseconds that advance whatever the stamps do; they are the stamps, until the clock steps.
+  std::int64_t now = 0;
+  double dt = 0, most_dt = 0;  // seconds since the scan before: a guess, and at most, where the clock stepped
+  bool timed = false, begun = false, localised = true;
+  // Everything below works in a frame of its own, that of the first scan: where the map has its origin, and
+  // how it is turned, must not matter. What goes in and out is moved.
+  Pose map_from_own = Pose::Identity();
+  Pose start_pose = Pose::Identity();  // of the first scan, in the own frame
 
   Sighting last_trusted;
   int distrusted_scans = 0;  // in a row
@@ -78,8 +89,36 @@ struct Tracker::State {
   // ---- on known ground
 
   /// Where the robot should be by now: by its velocity, or by what its odometry says it has moved.
-  MotionPrior predict(double dt, const ScanPrior& hints) const {
-    return hints.motion ? odometer.predict(dt, *hints.motion) : odometer.predict(dt);
+  MotionPrior predict(const ScanPrior& hints = {}) const {
+    const auto after = [&](double seconds) {
+      return hints.motion ? odometer.predict(seconds, *hints.motion) : odometer.predict(seconds);
+    };
+    MotionPrior prior = after(dt);
+    if (most_dt > dt) prior.information = after(most_dt).information;
+    return prior;
+  }
+
+  /// Takes the stamp of a scan; false where it is not one of the clock.
+  bool take_time(const Scan& scan, TrackedScan* tracked) {
+    const ScanClock::Reading reading = clock.read(scan);
+    if (!clock.accepts(reading.verdict)) {
+      tracked->verdict = reading.verdict == ScanClock::Verdict::kDuplicate  ? ScanVerdict::kDuplicateTime
+                         : reading.verdict == ScanClock::Verdict::kBackward ? ScanVerdict::kBackwardTime
+                                                                            : ScanVerdict::kOtherClock;
+      tracked->why = std::string(to_string(tracked->verdict)) + ", the scan before it has " +
+                     std::to_string(reading.last_utime) +
+                     (scan.stamped_by_arrival ? "; it has no stamp" : "");
+      tracked->interleaved = reading.interleaved;
+      return false;
+    }
+    if (reading.verdict == ScanClock::Verdict::kStepped) tracked->clock_step_from = reading.last_utime;
+    now = !timed ? std::max(now, scan.utime)
+                 : now + static_cast<std::int64_t>(std::llround(reading.most_elapsed_s / kMicro));
+    timed = true;
+    last_utime = scan.utime;
+    dt = begun ? reading.elapsed_s : 0.0;
+    most_dt = begun ? reading.most_elapsed_s : 0.0;
+    return true;
   }
 
   /// Keeps which way is up in the map, from the attitudes that come with trusted scans.
@@ -90,11 +129,11 @@ struct Tracker::State {
     up = (up + (seen - up) / attitudes).normalized();
   }
 
-  void start(std::int64_t utime, const PreparedScan& scan) {
-    odometer.start(utime, scan, {start_pose, Vector6::Zero()});
+  void start(const PreparedScan& scan) {
+    odometer.start(now, scan, {start_pose, Vector6::Zero()});
     last_trusted = Sighting();
     last_trusted.map_from_body = start_pose;
-    last_trusted.utime = utime;
+    last_trusted.utime = now;
     last_trusted.looked_around = looks_around(scan.source);
     distrusted_scans = 0;
     state = TrackingState::kInitialising;
@@ -126,6 +165,9 @@ struct Tracker::State {
     return best;
   }
 
+  /// Seconds since a scan was trusted.
+  double unseen_s() const { return kMicro * static_cast<double>(now - last_trusted.utime); }
+
   static double gap(const Attempt& attempt) { return squared_gap(attempt.prior, attempt.alignment.moving); }
 
   /// Whether the robot can have come there, as far as its motion is known: a place that explains the scan may
@@ -144,88 +186,91 @@ struct Tracker::State {
 
   /// A sensor that looks all around does not see new ground on all sides at once, nor much of it within the
   /// time between two scans: a place that looks alike explains a part of a scan, too.
-  bool elsewhere(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) const {
+  bool elsewhere(const PreparedScan& scan, const Attempt& attempt) const {
     const Health& health = attempt.health;
     const bool little = health.score > kFitScore && health.share < kNewGroundShare * health.usual_share;
     // What made the last scan suspicious is not explained by one that fits a little better.
     const bool wary = distrusted_scans > 0 || gap(attempt) > kUnusualGap;
     const bool suspicious = wary || health.rise > kSuddenRise;
     const double least = !health.grown ? kYoungShare : wary ? kWaryShare : kSuddenShare;
-    const bool sudden = static_cast<double>(utime - last_trusted.utime) * kMicro < kMoment && suspicious &&
-                        health.share < least * health.last_share;
+    const bool at_once = unseen_s() < kMoment || looks_alike;
+    const bool sudden = at_once && suspicious && health.share < least * health.last_share;
     // What comes into view where nothing was seen before is no surprise.
     return (little || (sudden && last_trusted.looked_around)) && looks_around(scan.source);
   }
 
-  bool trusted(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) const {
+  bool trusted(const PreparedScan& scan, const Attempt& attempt) const {
     const bool wary = distrusted_scans > 0 && state != TrackingState::kInitialising;
     return explains(attempt, wary ? kCalmScore : kJumpScore) && plausible(attempt) &&
-           !elsewhere(utime, scan, attempt);
+           !elsewhere(scan, attempt);
   }
 
   /// Another place explains a scan about as well at times, but does not look the same in every direction from
   /// one scan to the next. What passes close by hides as much, but neither puts the robot aside of its way
-  /// nor costs much. The motion of the first few scans is not known well enough to say.
-  bool only_looks_alike(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) const {
-    const bool strange = looks_alike || gap(attempt) > kStrayGap || attempt.health.score > kCalmScore;
+  /// nor costs much. After a gap the motion says little of where it can be, and this test alone tells a
+  /// kidnap: gaps of 0.6 to 2.2 s in streets, rooms and woods left at most 0.03, kidnaps in a gap of 0.5 s
+  /// 0.37 to 0.49. The motion of the first few scans is not known well enough to say.
+  bool only_looks_alike(const PreparedScan& scan, const Attempt& attempt) const {
+    const bool after_gap = unseen_s() > kMoment;
+    const double most = after_gap ? kMostContradictionAfterGap : kMostContradiction;
+    const bool strange =
+        after_gap || looks_alike || gap(attempt) > kStrayGap || attempt.health.score > kCalmScore;
     return strange && !attempt.health.young &&
-           contradiction(last_trusted, utime, scan, attempt.alignment.moving) > kMostContradiction;
+           contradiction(last_trusted, now, scan, attempt.alignment.moving) > most;
   }
 
-  void track_on(std::int64_t utime, const PreparedScan& scan, double dt, const ScanPrior& hints,
-                TrackedScan* tracked) {
-    MotionPrior prior = odometer.predict(dt);
+  void track_on(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
+    MotionPrior prior = predict();
     Attempt attempt = odometer.deskew_first(scan, dt, align_or_retry(scan, prior));
-    if (hints.motion &&
-        !trusted(utime, scan, attempt)) {  // what others say is asked where the scans do not suffice
-      prior = predict(dt, hints);
+    if (hints.motion && !trusted(scan, attempt)) {  // what others say is asked where the scans do not suffice
+      prior = predict(hints);
       Attempt hinted = odometer.align(scan, prior, Reach::kNear);
-      if (trusted(utime, scan, hinted)) attempt = std::move(hinted);
+      if (trusted(scan, hinted)) attempt = std::move(hinted);
     }
-    const bool fits = trusted(utime, scan, attempt);
-    const bool alike = fits && only_looks_alike(utime, scan, attempt);
+    const bool fits = trusted(scan, attempt);
+    const bool alike = fits && only_looks_alike(scan, attempt);
     finished(Stage::kAlign);
     if (fits && !alike) {
-      if (hints.motion) attempt.prior.mean = predict(dt, hints).mean;  // for what the scene leaves open
-      believe(utime, scan, attempt);
+      if (hints.motion) attempt.prior.mean = predict(hints).mean;  // for what the scene leaves open
+      believe(scan, attempt);
       describe(attempt, PoseMethod::kIcp, tracked);
       return;
     }
     looks_alike = looks_alike || alike;
     describe(attempt, PoseMethod::kPredicted, tracked);
-    coast(utime, prior);
+    coast(prior);
     if (state == TrackingState::kInitialising) {
-      if (distrusted_scans >= kFalseStarts) start(utime, scan);
+      if (distrusted_scans >= kFalseStarts) start(scan);
       return;
     }
-    relocation.distrust(utime, dt, scan, odometer, attempt.health.energy);
+    relocation.distrust(now, dt, scan, odometer, attempt.health.energy);
   }
 
-  void believe(std::int64_t utime, const PreparedScan& scan, const Attempt& attempt) {
+  void believe(const PreparedScan& scan, const Attempt& attempt) {
     odometer.accept(attempt);
     distrusted_scans = 0;
     looks_alike = false;
-    last_trusted = sighting(utime, scan, odometer.state());
+    last_trusted = sighting(now, scan, odometer.state());
     // What the map explains little of, a crowd or dust, may be gone the next moment.
     if (attempt.health.share < kDegradedShare) last_trusted.rays = {};
     state = TrackingState::kTracking;
+    localised = true;
     relocation.end();
     if (quiet_scans_left > 0) {
       --quiet_scans_left;
       return;
     }
-    odometer.keep(utime, scan, attempt.health.share);
-    if (archive.wants(utime, last_trusted.map_from_body.translation(), scan.median_range))
-      archive.add(utime, last_trusted.map_from_body, scan.median_range,
+    odometer.keep(now, scan, attempt.health.share);
+    if (archive.wants(now, last_trusted.map_from_body.translation(), scan.median_range))
+      archive.add(now, last_trusted.map_from_body, scan.median_range,
                   deskewed(scan.source, odometer.state().twist));
     archive.note_stand(last_trusted.map_from_body);
   }
 
   /// Nothing was learnt: the prediction stands in, and is not believed for long.
-  void coast(std::int64_t utime, const MotionPrior& prior) {
+  void coast(const MotionPrior& prior) {
     MotionPrior coasting = prior;
-    if (static_cast<double>(utime - last_trusted.utime) * kMicro > kCoastSeconds)
-      coasting.mean.twist.setZero();
+    if (unseen_s() > kCoastSeconds) coasting.mean.twist.setZero();
     odometer.coast(coasting);
     ++distrusted_scans;
     if (state == TrackingState::kInitialising || relocation.lost()) return;
@@ -235,11 +280,10 @@ struct Tracker::State {
 
   // ---- lost
 
-  void track_lost(std::int64_t utime, double dt, const PreparedScan& scan, const ScanPrior& hints,
-                  TrackedScan* tracked) {
-    if (!relocation.has_excursion()) coast(utime, odometer.predict(dt));
+  void track_lost(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
+    if (!relocation.has_excursion()) coast(predict());
     Attempt attempt;
-    const Relocation::Outcome outcome = relocation.follow(utime, dt, scan, odometer, &attempt);
+    const Relocation::Outcome outcome = relocation.follow(now, dt, scan, odometer, &attempt);
     if (hints.level_from_body) relocation.note_up(up_in_body(hints));
     finished(Stage::kAlign);
     if (outcome == Relocation::Outcome::kLost) {
@@ -250,7 +294,10 @@ struct Tracker::State {
     if (jumped) ++epoch;
     // On new ground it must grow at once, or the robot has left it.
     quiet_scans_left = usual_share(attempt.health) ? kQuietScans : 0;
-    believe(utime, scan, attempt);
+    // The next scans cost what this one does: in a map of archived keyframes, which are thinner, or on new
+    // ground that is more than before.
+    if (!explains(attempt, kCalmScore)) odometer.forget_usual();
+    believe(scan, attempt);
     describe(attempt, jumped ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
   }
 
@@ -282,7 +329,8 @@ struct Tracker::State {
       if (tracked->degenerate_axes != 0 || little) tracked->state = TrackingState::kDegraded;
     }
     tracked->epoch = epoch;
-    tracked->map_from_body = odometer.state().pose;
+    tracked->localised = localised;
+    tracked->map_from_body = map_from_own * odometer.state().pose;
     tracked->twist = odometer.state().twist;
     tracked->covariance = odometer.covariance().topLeftCorner<6, 6>();
     tracked->keyframes = static_cast<int>(odometer.map().keyframes().size());
@@ -290,7 +338,9 @@ struct Tracker::State {
     tracked->recovery = relocation.take_ended();
     if (tracked->recovery) {
       tracked->recovery->epoch = epoch;
-      tracked->recovery->map_from_body = odometer.state().pose;
+      tracked->recovery->map_from_body = tracked->map_from_body;
+      tracked->recovery->map_from_predicted =
+          map_from_own * tracked->recovery->map_from_predicted * map_from_own.inverse();
     }
   }
 };
@@ -304,17 +354,11 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
   TrackedScan tracked;
   tracked.utime = scan.utime;
   tracked.points_in = static_cast<int>(scan.points.size());
-  double dt = state_->begun ? static_cast<double>(scan.utime - state_->last_utime) * kMicro : 0.0;
-  if (state_->begun && dt <= 0 && dt >= -state_->config.restart_after_s) {
-    tracked.verdict = dt == 0 ? ScanVerdict::kDuplicateTime : ScanVerdict::kBackwardTime;
-    tracked.state = state_->reported_state();
+  State& s = *state_;
+  if (!s.take_time(scan, &tracked)) {
+    tracked.state = s.reported_state();
     return tracked;
   }
-  if (dt < 0) {  // a log that loops: another drive begins
-    reset();
-    dt = 0;
-  }
-  State& s = *state_;
 
   const CroppedScan cropped = crop(scan.points, s.config.min_range_m, s.config.max_range_m);
   const PreparedScan prepared =
@@ -322,33 +366,35 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
   tracked.points_used = static_cast<int>(prepared.source.size());
   s.finished(Stage::kPreprocess);
   const bool seen = prepared.source.size() >= kLeastPoints;
-  if (!seen) tracked.verdict = ScanVerdict::kEmpty;
+  if (!seen) {
+    tracked.verdict = ScanVerdict::kEmpty;
+    tracked.why = why_too_few(scan.points, cropped, s.config.min_range_m, s.config.max_range_m);
+  }
   if (!seen && !s.begun) return tracked;
 
   if (!s.begun) {
     if (s.relocation.lost()) {
       s.odometer.set_planar(prepared.planar);
-      s.relocation.distrust(scan.utime, 0, prepared, s.odometer, 1);
+      s.relocation.distrust(s.now, 0, prepared, s.odometer, 1);
       tracked.method = PoseMethod::kPredicted;
     } else {
-      s.start(scan.utime, prepared);
+      s.start(prepared);
     }
     s.begun = true;
   } else if (!seen) {
     if (s.relocation.has_excursion()) {
-      s.relocation.coast(dt, s.odometer);
+      s.relocation.coast(s.dt, s.odometer);
     } else {
-      s.coast(scan.utime, s.predict(dt, hints));
+      s.coast(s.predict(hints));
     }
     tracked.method = PoseMethod::kPredicted;
     tracked.stop_reason = StopReason::kTooFewPoints;
   } else if (s.relocation.lost()) {
-    s.track_lost(scan.utime, dt, prepared, hints, &tracked);
+    s.track_lost(prepared, hints, &tracked);
   } else {
-    s.track_on(scan.utime, prepared, dt, hints, &tracked);
+    s.track_on(prepared, hints, &tracked);
   }
   if (tracked.method == PoseMethod::kIcp) s.note_attitude(hints);
-  s.last_utime = scan.utime;
   s.report(&tracked);
   s.finished(Stage::kMap);
   return tracked;
@@ -380,38 +426,48 @@ void Tracker::set_pose(const Pose& map_from_body) {
   State& s = *state_;
   ++s.epoch;
   s.relocation.end();
-  s.odometer.set_pose(map_from_body);
-  s.start_pose = map_from_body;
+  if (s.archive.empty()) s.map_from_own = upright(map_from_body);
+  const Pose here = renormalised(s.map_from_own.inverse() * map_from_body);
+  s.odometer.set_pose(here);
+  s.start_pose = here;
   s.last_trusted = Sighting();
-  s.last_trusted.map_from_body = map_from_body;
-  s.last_trusted.utime = s.last_utime;
+  s.last_trusted.map_from_body = here;
+  s.last_trusted.utime = s.now;
   s.begun = false;
-  if (!s.archive.knows(map_from_body.translation())) {  // a new start
+  s.localised = true;
+  if (!s.archive.knows(here.translation())) {  // a new start
     s.state = TrackingState::kInitialising;
     return;
   }
-  s.odometer.reload(s.archive.keyframes(), {map_from_body.translation()}, s.scale.current(0));
+  s.odometer.reload(s.archive.keyframes(), {here.translation()}, s.scale.current(0));
   s.lose();
   s.relocation.propose_here();
 }
 
 SavedMap Tracker::save() const {
-  return {state_->epoch, state_->last_trusted.map_from_body, state_->archive.keyframes()};
+  return moved({state_->epoch, state_->last_trusted.map_from_body, state_->archive.keyframes()},
+               state_->map_from_own);
 }
 
 void Tracker::load(SavedMap saved) {
   reset();
   State& s = *state_;
   s.epoch = std::max(s.epoch, saved.epoch + 1);
+  if (saved.keyframes.empty()) return;
+  s.map_from_own = upright(saved.keyframes.front().map_from_body);
+  saved = moved(saved, s.map_from_own.inverse());
   s.archive.restore(std::move(saved.keyframes));
-  if (s.archive.empty()) return;
+  // What was archived is of an earlier run, whatever the clock of either said.
+  s.now = std::min(s.archive.keyframes().back().utime, std::numeric_limits<std::int64_t>::max() / 2) +
+          kAnotherRun;
+  s.localised = false;
   s.start_pose = s.last_trusted.map_from_body = saved.last_pose;
   s.odometer.set_pose(saved.last_pose);
   s.relocation.begin(s.odometer, std::nullopt, false, s.archive);
 }
 
 PointCloud Tracker::map() const {
-  return state_->odometer.map().snapshot();
+  return moved(state_->odometer.map().snapshot(), state_->map_from_own);
 }
 
 }  // namespace scanlock

@@ -26,8 +26,6 @@ struct TrackerConfig {
   int max_keyframes = 60;
   int max_map_points = 200000;
   int max_archive_points = 2000000;  ///< of all places remembered for coming back to
-  double restart_after_s =
-      1.0;  ///< a scan earlier than its predecessor by more than this starts anew (a log that loops)
 };
 
 }  // namespace scanlock

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/elementary.hpp"
 #include "simulation/random.hpp"
 
 namespace scanlock {
@@ -113,7 +114,7 @@ class Springs {
   }
   double at(double t) const {
     double sum = 0;
-    for (const Wave& wave : waves_) sum += std::sin(wave.rate * t + wave.phase);
+    for (const Wave& wave : waves_) sum += sin(wave.rate * t + wave.phase);
     return sum * std::sqrt(2.0 / static_cast<double>(waves_.size()));
   }
 
@@ -137,9 +138,9 @@ Eigen::Vector3d shaking(const std::vector<SimulationEvent>& events, double t) {
   for (const SimulationEvent& event : events) {
     if (event.kind != EventKind::kShake) continue;
     const double strength = envelope(event, t), u = 2 * kPi * (t - event.time_s);
-    sum += strength * Eigen::Vector3d(0.12 * std::sin(1.9 * u) + 0.05 * std::sin(3.1 * u + 1),
-                                      0.10 * std::sin(2.3 * u + 2) + 0.04 * std::sin(3.7 * u),
-                                      0.18 * std::sin(1.4 * u + 1) + 0.06 * std::sin(2.9 * u + 3));
+    sum += strength * Eigen::Vector3d(0.12 * sin(1.9 * u) + 0.05 * sin(3.1 * u + 1),
+                                      0.10 * sin(2.3 * u + 2) + 0.04 * sin(3.7 * u),
+                                      0.18 * sin(1.4 * u + 1) + 0.06 * sin(2.9 * u + 3));
   }
   return sum;
 }
@@ -180,14 +181,14 @@ class PoseMaker {
     for (std::size_t k = 0; k < distance_.size(); ++k) {
       const Eigen::Vector2d place = route_.at(arc(k, back));
       const double yaw = route_.heading(arc(k, back)) + turn;
-      const Eigen::Vector2d ahead = style_.wheelbase / 2 * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
+      const Eigen::Vector2d ahead = style_.wheelbase / 2 * Eigen::Vector2d(cos(yaw), sin(yaw));
       const Eigen::Vector2d left(-ahead.y(), ahead.x());
       const auto ground = [&](const Eigen::Vector2d& p) { return terrain_.height(p.x(), p.y()); };
       const double front = ground(place + ahead), rear = ground(place - ahead);
       const double left_side = ground(place + left), right_side = ground(place - left);
       footing.height.push_back((front + rear + left_side + right_side) / 4);
-      footing.roll.push_back(std::atan2(left_side - right_side, style_.wheelbase));
-      footing.pitch.push_back(-std::atan2(front - rear, style_.wheelbase));
+      footing.roll.push_back(atan2(left_side - right_side, style_.wheelbase));
+      footing.pitch.push_back(-atan2(front - rear, style_.wheelbase));
     }
     for (std::vector<double>* series : {&footing.height, &footing.roll, &footing.pitch})
       for (int pass = 0; pass < 3; ++pass) *series = moving_average(*series, 3);
@@ -207,11 +208,7 @@ class PoseMaker {
     const double roll = footing.roll[k] + 0.006 * speed * turning + style_.sway * liveliness * roll_.at(t);
     const double pitch = footing.pitch[k] - 0.006 * acceleration + style_.sway * liveliness * pitch_.at(t);
     const double yaw = route_.heading(s) + turn;
-    const Eigen::Vector3d up = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-                                Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
-                                Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
-                                   .toRotationMatrix()
-                                   .col(2);
+    const Eigen::Vector3d up = yaw_pitch_roll(yaw, pitch, roll).col(2);
     const Eigen::Vector2d place = route_.at(s);
     const double height = footing.height[k] + style_.heave * liveliness * heave_.at(t);
     Vector6 control;

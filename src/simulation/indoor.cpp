@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/rigid.hpp"
 #include "simulation/random.hpp"
 #include "simulation/world.hpp"
 
@@ -65,7 +66,7 @@ void add_table(Scene& scene, const Eigen::Vector2d& p, double yaw, Random& rando
   const double length = random.uniform(0.9, 1.7), width = random.uniform(0.6, 0.9),
                height = random.uniform(0.68, 0.78);
   scene.add(Box::upright({p.x(), p.y(), height - 0.03}, yaw, {length, width, 0.03}, 0.5));
-  const Eigen::Rotation2Dd turn(yaw);
+  const Eigen::Matrix2d turn = rotation_about_z(yaw).topLeftCorner<2, 2>();
   for (const double sx : {-1.0, 1.0})
     for (const double sy : {-1.0, 1.0}) {
       const Eigen::Vector2d leg =

@@ -7,14 +7,15 @@
 #include <stdexcept>
 #include <utility>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
 Eigen::Vector3d direction(double azimuth, double elevation) {
-  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-          std::sin(elevation)};
+  return {cos(elevation) * cos(azimuth), cos(elevation) * sin(azimuth), sin(elevation)};
 }
 
 /// Elevations in radians, from evenly spaced degrees.
@@ -105,7 +106,7 @@ std::vector<Beam> LidarModel::sweep(std::int64_t scan) const {
 }
 
 double LidarModel::loss(double range, double cosine, double reflectivity) const {
-  const double grazing = 0.95 * std::exp(-cosine / 0.03);
+  const double grazing = 0.95 * exp(-cosine / 0.03);
   const double far = range / max_range;
   const double faint = std::min(0.95, 0.15 * far * far * far * far / std::max(0.05, reflectivity));
   return 1 - (1 - dropout) * (1 - grazing) * (1 - faint);

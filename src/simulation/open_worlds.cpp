@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/elementary.hpp"
 #include "simulation/random.hpp"
 #include "simulation/world.hpp"
 
@@ -20,9 +21,9 @@ Polyline plan_round(double radius, double length, Random& random) {
   std::vector<Eigen::Vector2d> points;
   double driven = 0;
   for (double angle = 0; driven < length; angle += 0.2 / radius) {
-    const double r = radius * (1 + 0.22 * std::sin(3 * angle + a) + 0.1 * std::sin(5 * angle + b) +
-                               0.03 * std::sin(9.3 * angle + c));
-    points.push_back(r * Eigen::Vector2d(std::cos(angle), direction * std::sin(angle)));
+    const double r =
+        radius * (1 + 0.22 * sin(3 * angle + a) + 0.1 * sin(5 * angle + b) + 0.03 * sin(9.3 * angle + c));
+    points.push_back(r * Eigen::Vector2d(cos(angle), direction * sin(angle)));
     if (points.size() > 1) driven += (points.back() - points[points.size() - 2]).norm();
   }
   return Polyline(points).smoothed(0.2, 2);
@@ -41,14 +42,14 @@ class Hills {
   Hills(double longest, double highest, double shortest, Random& random) {
     for (double length = longest, height = highest; length > shortest; length *= 0.6, height *= 0.55) {
       const double angle = random.uniform(0, 2 * kPi);
-      waves_.push_back({2 * kPi / length * Eigen::Vector2d(std::cos(angle), std::sin(angle)),
-                        random.uniform(0, 2 * kPi), height});
+      waves_.push_back(
+          {2 * kPi / length * Eigen::Vector2d(cos(angle), sin(angle)), random.uniform(0, 2 * kPi), height});
     }
   }
   double operator()(double x, double y) const {
     double sum = 0;
     for (const Wave& wave : waves_)
-      sum += wave.height * std::sin(wave.number.dot(Eigen::Vector2d(x, y)) + wave.phase);
+      sum += wave.height * sin(wave.number.dot(Eigen::Vector2d(x, y)) + wave.phase);
     return sum;
   }
 
@@ -67,7 +68,7 @@ Eigen::Vector3d on_ground(const Scene& scene, const Eigen::Vector2d& p) {
 void add_forest_tree(Scene& scene, const Eigen::Vector3d& place, Random& random) {
   const double lean = random.uniform(0, 0.09), to = random.uniform(0, 2 * kPi);
   Cylinder trunk;
-  trunk.axis = Eigen::Vector3d(lean * std::cos(to), lean * std::sin(to), 1).normalized();
+  trunk.axis = Eigen::Vector3d(lean * cos(to), lean * sin(to), 1).normalized();
   trunk.base = place - 0.3 * trunk.axis;
   trunk.length = random.uniform(9, 18);
   trunk.radius = random.uniform(0.07, 0.32);
@@ -118,16 +119,14 @@ World make_field(std::uint64_t seed, double seconds, const DriveStyle& style) {
   world.scene = Scene(Terrain({-kReach, -kReach}, {kReach, kReach}, 2, hills));
   for (int i = 0; i < 14; ++i) {  // far bushes, hay bales and poles, and one barn
     const double angle = random.uniform(0, 2 * kPi), radius = random.uniform(95, 150);
-    const Eigen::Vector3d place =
-        on_ground(world.scene, radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    const Eigen::Vector3d place = on_ground(world.scene, radius * Eigen::Vector2d(cos(angle), sin(angle)));
     const double yaw = random.uniform(0, kPi);
     if (i == 0) {
       world.scene.add(Box::upright(place - Eigen::Vector3d(0, 0, 2), yaw, {18, 9, 8}, 0.5));
     } else if (i < 5) {
       world.scene.add(Ellipsoid{place, {3, 3, 4}, 1.0, 0.3});
     } else if (i < 10) {
-      world.scene.add(
-          Cylinder{place + Eigen::Vector3d(0, 0, 0.6), {std::cos(yaw), std::sin(yaw), 0}, 1.3, 0.65, 0.5});
+      world.scene.add(Cylinder{place + Eigen::Vector3d(0, 0, 0.6), {cos(yaw), sin(yaw), 0}, 1.3, 0.65, 0.5});
     } else {
       world.scene.add(Cylinder{place, Eigen::Vector3d::UnitZ(), 8, 0.12, 0.5});
     }
@@ -147,7 +146,7 @@ World make_tunnel(std::uint64_t seed, double seconds, const DriveStyle& style) {
   for (double s = 0; s < length + 100; s += 5) {
     if (std::fmod(s, 150) < 5) bend = s < kPortal || random.chance(0.5) ? 0 : random.uniform(-1, 1) / 300;
     heading = std::clamp(heading + 5 * bend, -1.0, 1.0);  // it may wind, but never meets itself
-    points.push_back(points.back() + 5 * Eigen::Vector2d(std::cos(heading), std::sin(heading)));
+    points.push_back(points.back() + 5 * Eigen::Vector2d(cos(heading), sin(heading)));
   }
   const Polyline axis = Polyline(points).smoothed(1, 30);
   world.route = axis.offset(-1.75).resampled(0.5);
@@ -160,7 +159,7 @@ World make_tunnel(std::uint64_t seed, double seconds, const DriveStyle& style) {
   const Eigen::Vector2d margin(60, 60);
   const double period = random.uniform(200, 400);
   world.scene = Scene(Terrain(low - margin, high + margin, 4,
-                              [&](double x, double) { return 3 * std::sin(2 * kPi * x / period / 3); }));
+                              [&](double x, double) { return 3 * sin(2 * kPi * x / period / 3); }));
   // A vault of slabs from ground to ground, a regular polygon of which the road cuts off the lowest part.
   for (double s = kPortal; s < axis.length(); s += kSegment) {
     const Eigen::Vector2d p = axis.at(s), q = axis.at(s + kSegment);
@@ -170,14 +169,15 @@ World make_tunnel(std::uint64_t seed, double seconds, const DriveStyle& style) {
     const Eigen::Vector3d left = Eigen::Vector3d::UnitZ().cross(along).normalized(), up = along.cross(left);
     for (int side = 0; side < kSides; ++side) {
       const double angle = 2 * kPi * (side + 0.5) / kSides;
-      const Eigen::Vector3d out = std::cos(angle) * left + std::sin(angle) * up;
+      const Eigen::Vector3d out = cos(angle) * left + sin(angle) * up;
       const Eigen::Vector3d centre = (from + to) / 2 + 1.5 * up;
-      if (std::sin(angle) < -0.5) continue;
+      if (sin(angle) < -0.5) continue;
       Box slab;
       slab.world_from_box.col(0) = along;
       slab.world_from_box.col(2) = out;
       slab.world_from_box.col(1) = out.cross(along);
-      slab.half = {(to - from).norm() / 2 + 0.03, (kHalfWidth + 0.2) * std::tan(kPi / kSides), 0.1};
+      slab.half = {(to - from).norm() / 2 + 0.03, (kHalfWidth + 0.2) * sin(kPi / kSides) / cos(kPi / kSides),
+                   0.1};
       slab.centre = centre + (kHalfWidth + 0.1) * out;
       slab.reflectivity = 0.4;
       world.scene.add(slab);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -41,7 +43,7 @@ Polyline::Polyline(const std::vector<Eigen::Vector2d>& points) {
   for (std::size_t i = 1; i < n; ++i) arc_[i] = arc_[i - 1] + (points_[i] - points_[i - 1]).norm();
   for (std::size_t i = 0; i < n; ++i) {
     const Eigen::Vector2d along = points_[std::min(i + 1, n - 1)] - points_[i > 0 ? i - 1 : 0];
-    heading_[i] = std::atan2(along.y(), along.x());
+    heading_[i] = atan2(along.y(), along.x());
     if (i > 0) heading_[i] = heading_[i - 1] + std::remainder(heading_[i] - heading_[i - 1], 2 * kPi);
   }
 }
@@ -91,7 +93,7 @@ Polyline Polyline::reversed() const {
 Polyline Polyline::offset(double left) const {
   std::vector<Eigen::Vector2d> points = points_;
   for (std::size_t i = 0; i < points.size(); ++i)
-    points[i] += left * Eigen::Vector2d(-std::sin(heading_[i]), std::cos(heading_[i]));
+    points[i] += left * Eigen::Vector2d(-sin(heading_[i]), cos(heading_[i]));
   return Polyline(points);
 }
 

@@ -6,14 +6,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
 Eigen::Matrix3d rotation_of(const Vector6& q) {
-  return (Eigen::AngleAxisd(q[5], Eigen::Vector3d::UnitZ()) *
-          Eigen::AngleAxisd(q[4], Eigen::Vector3d::UnitY()) *
-          Eigen::AngleAxisd(q[3], Eigen::Vector3d::UnitX()))
-      .toRotationMatrix();
+  return yaw_pitch_roll(q[5], q[4], q[3]);
 }
 
 }  // namespace
@@ -49,8 +48,8 @@ Pose PoseSpline::pose(double t) const {
 
 Vector6 PoseSpline::twist(double t) const {
   const Vector6 q = evaluate(t, 0), rate = evaluate(t, 1);
-  const double sin_roll = std::sin(q[3]), cos_roll = std::cos(q[3]);
-  const double sin_pitch = std::sin(q[4]), cos_pitch = std::cos(q[4]);
+  const auto [sin_roll, cos_roll] = sincos(q[3]);
+  const auto [sin_pitch, cos_pitch] = sincos(q[4]);
   Vector6 twist;
   twist.head<3>() = rotation_of(q).transpose() * rate.head<3>();
   twist[3] = rate[3] - rate[5] * sin_pitch;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 
 /// A bijection on 64 bits whose output bits all depend on all input bits.
@@ -32,8 +34,8 @@ class Random {
   /// A whole number from low to high, both included.
   int integer(int low, int high) { return low + static_cast<int>(uniform() * (high - low + 1)); }
   double gaussian() {
-    const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-    return radius * std::cos(6.283185307179586 * uniform());
+    const double radius = std::sqrt(-2.0 * log(1.0 - uniform()));
+    return radius * cos(6.283185307179586 * uniform());
   }
 
  private:

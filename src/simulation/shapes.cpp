@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/elementary.hpp"
+#include "geometry/rigid.hpp"
 #include "simulation/random.hpp"
 
 namespace scanlock {
@@ -14,7 +16,7 @@ Box Box::upright(const Eigen::Vector3d& bottom, double yaw, const Eigen::Vector3
   Box box;
   box.half = size / 2;
   box.centre = bottom + Eigen::Vector3d(0, 0, size.z() / 2);
-  box.world_from_box = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  box.world_from_box = rotation_about_z(yaw);
   box.reflectivity = reflectivity;
   return box;
 }
@@ -78,7 +80,7 @@ void intersect(const Ellipsoid& ellipsoid, const Ray& ray, std::uint64_t random_
   double range = (-b - root) / a;
   if (ellipsoid.density > 0) {
     const double enter = std::max(0.0, range), leave = (-b + root) / a;
-    range = enter - std::log(1 - unit_interval(random_bits)) / ellipsoid.density;
+    range = enter - log(1 - unit_interval(random_bits)) / ellipsoid.density;
     if (range >= leave) return;
   }
   if (range <= 0 || range >= hit.range) return;

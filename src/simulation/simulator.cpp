@@ -7,6 +7,7 @@
 #include <future>
 #include <stdexcept>
 
+#include "geometry/elementary.hpp"
 #include "simulation/random.hpp"
 
 namespace scanlock {
@@ -87,8 +88,7 @@ SimulatedScan Simulator::make_scan(std::int64_t sweep) const {
   const bool blackout = event_active(EventKind::kBlackout, begin);
   if (blackout && sweep % 2 == 0) return out;
   const Eigen::Vector3d forward = out.world_from_body.linear().col(0);
-  const auto movers =
-      movers_near(out.world_from_body.translation(), std::atan2(forward.y(), forward.x()), begin);
+  const auto movers = movers_near(out.world_from_body.translation(), atan2(forward.y(), forward.x()), begin);
   std::vector<Return> returns(beams_.size());
   std::vector<std::future<void>> workers;
   const std::size_t blocks = (beams_.size() + kBlock - 1) / kBlock;
@@ -121,7 +121,7 @@ std::vector<Simulator::Moving> Simulator::movers_near(const Eigen::Vector3d& sen
   for (const Mover& mover : world_.movers) {
     if (mover.in_convoy && mover.start < 0 && kidnapped) continue;  // it would stand where the sensor is put
     const auto arc = [&](double time) {
-      if (mover.in_convoy) return drive_.distance(time) + mover.start + 5 * std::sin(0.11 * time);
+      if (mover.in_convoy) return drive_.distance(time) + mover.start + 5 * sin(0.11 * time);
       return std::fmod(mover.start + mover.speed * t, mover.path.length()) + mover.speed * (time - t);
     };
     const double s = arc(t);
@@ -133,9 +133,9 @@ std::vector<Simulator::Moving> Simulator::movers_near(const Eigen::Vector3d& sen
       // Nobody walks or drives through the sensor: who would, is left out while near, and so is all traffic
       // in our own lane, where the convoy drives.
       if (apart.norm() < 4) continue;
-      const Eigen::Vector2d ahead(std::cos(heading), std::sin(heading));
+      const Eigen::Vector2d ahead(cos(heading), sin(heading));
       const double aside = std::abs(apart.x() * ahead.y() - apart.y() * ahead.x());
-      const bool same_way = std::cos(mover.path.heading(s) - heading) > 0.7;
+      const bool same_way = cos(mover.path.heading(s) - heading) > 0.7;
       if (same_way && aside < 1.7 && apart.norm() < 60 && !mover.boxes.empty()) continue;
     }
     const auto ground = [&](const Eigen::Vector2d& p) {
@@ -145,8 +145,7 @@ std::vector<Simulator::Moving> Simulator::movers_near(const Eigen::Vector3d& sen
     moving.position = ground(from);
     moving.velocity = (ground(to) - moving.position) / lidar_.period_s;
     moving.reach = 0;
-    const Eigen::Matrix3d turn =
-        Eigen::AngleAxisd(mover.path.heading(s), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    const Eigen::Matrix3d turn = rotation_about_z(mover.path.heading(s));
     for (Box box : mover.boxes) {
       moving.reach = std::max(moving.reach, box.centre.head<2>().norm() + box.half.head<2>().norm());
       box.centre = moving.position + turn * box.centre;

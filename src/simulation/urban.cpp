@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/elementary.hpp"
 #include "simulation/random.hpp"
 #include "simulation/urban_buildings.hpp"
 #include "simulation/urban_streets.hpp"
@@ -16,8 +17,8 @@ constexpr double kPavement = 3.4;  // metres: up to the fronts of houses without
 
 /// Rolling ground, slopes of up to about 3 %.
 double ground_height(double x, double y, const std::array<double, 4>& phase) {
-  return 1.2 * std::sin(x / 70 + phase[0]) + 1.0 * std::sin(y / 85 + phase[1]) +
-         0.5 * std::sin((x + y) / 45 + phase[2]) + 0.03 * std::sin(x / 6 + phase[3]) * std::sin(y / 7);
+  return 1.2 * sin(x / 70 + phase[0]) + 1.0 * sin(y / 85 + phase[1]) + 0.5 * sin((x + y) / 45 + phase[2]) +
+         0.03 * sin(x / 6 + phase[3]) * sin(y / 7);
 }
 
 Eigen::Vector3d on_ground(const Scene& scene, const Eigen::Vector2d& p) {
@@ -28,7 +29,7 @@ Eigen::Vector3d on_ground(const Scene& scene, const Eigen::Vector2d& p) {
 void add_pavement(Scene& scene, const Polyline& middle, double s, double length) {
   const Eigen::Vector3d centre = on_ground(scene, middle.at(s));
   const double yaw = middle.heading(s);
-  const Eigen::Vector2d ahead(std::cos(yaw), std::sin(yaw)), left(-ahead.y(), ahead.x());
+  const Eigen::Vector2d ahead(cos(yaw), sin(yaw)), left(-ahead.y(), ahead.x());
   const auto slope = [&](const Eigen::Vector2d& along) {
     const Eigen::Vector2d p = centre.head<2>();
     const Eigen::Vector3d step = on_ground(scene, p + along) - on_ground(scene, p - along);
@@ -52,7 +53,7 @@ void add_parked_car(Scene& scene, const Eigen::Vector3d& place, double yaw, Rand
     return;
   }
   const double length = random.uniform(3.7, 4.8);
-  const Eigen::Vector3d back = random.uniform(0.1, 0.6) * Eigen::Vector3d(-std::cos(yaw), -std::sin(yaw), 0);
+  const Eigen::Vector3d back = random.uniform(0.1, 0.6) * Eigen::Vector3d(-cos(yaw), -sin(yaw), 0);
   scene.add(Box::upright(place + 0.22 * up, yaw, {length, 1.78, 0.65}, paint));
   scene.add(
       Box::upright(place + back + 0.87 * up, yaw, {0.52 * length, 1.5, random.uniform(0.5, 0.7)}, 0.15));

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -17,8 +19,7 @@ struct Lot {
   double reflectivity;
 
   Eigen::Vector3d world(double x, double y, double z) const {
-    return origin +
-           Eigen::Vector3d(std::cos(yaw) * x - std::sin(yaw) * y, std::sin(yaw) * x + std::cos(yaw) * y, z);
+    return origin + Eigen::Vector3d(cos(yaw) * x - sin(yaw) * y, sin(yaw) * x + cos(yaw) * y, z);
   }
   /// A box from front to back y0..y1, centred at x, bottom z.
   Box box(double x, double y0, double y1, double z, double wide, double high) const {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr double kMargin = 25;  // of streets beyond their last crossing, metres
 /// A street's middle as a function of the coordinate it runs along.
 struct Wave {
   double base, amplitude, length, phase;
-  double at(double u) const { return base + amplitude * std::sin(u / length + phase); }
+  double at(double u) const { return base + amplitude * sin(u / length + phase); }
 };
 
 std::vector<Wave> make_waves(Random& random) {

@@ -51,6 +51,12 @@ TEST_CASE("a log is never published into while it is read") {
   CHECK(output_url(config) == config.out_url);
 }
 
+TEST_CASE("the path of a log is what stands between file:// and the options") {
+  CHECK(log_url_path("file:///tmp/a.lcmlog?speed=0&mode=w") == "/tmp/a.lcmlog");
+  CHECK(log_url_path("file://a.lcmlog") == "a.lcmlog");
+  CHECK(log_url_path("udpm://239.255.76.67:7667?ttl=0") == "");
+}
+
 TEST_CASE("group and port are read as LCM reads them") {
   CHECK(multicast_endpoint("udpm://").port == 7667);
   CHECK(multicast_endpoint("udpm://?ttl=0").address == "239.255.76.67");
@@ -64,4 +70,15 @@ TEST_CASE("channel names are literal") {
   CHECK(literal_pattern("LIDAR_2") == "LIDAR_2");
   CHECK(literal_pattern("/lidar#sensor_msgs.PointCloud2") == "/lidar\\#sensor_msgs\\.PointCloud2");
   CHECK(literal_pattern("a.*(b)") == "a\\.\\*\\(b\\)");
+}
+
+TEST_CASE("a URL that can never work is told from one that waits for its network") {
+  for (const char* url : {"udpm://239.255.76.67:7667?ttl=0", "udpm://", "udpm://:7701", "tcpq://nobody:7700",
+                          "file:///tmp/a.lcmlog?speed=0"})
+    CHECK_NOTHROW(check_url(url));
+  for (const char* url : {"", "LIDAR", "udp://239.255.76.67:7667", "udpm://239.255.76.67:99999",
+                          "udpm://192.168.1.4:7667", "udpm://robot:7667", "file://", "file://?speed=0"}) {
+    CAPTURE(url);
+    CHECK_THROWS_AS(check_url(url), ConfigError);
+  }
 }

@@ -19,6 +19,12 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
+TrackedScan unused(ScanVerdict verdict) {
+  TrackedScan tracked;
+  tracked.verdict = verdict;
+  return tracked;
+}
+
 }  // namespace
 
 TEST_CASE("percentiles are values that occurred") {
@@ -46,10 +52,12 @@ TEST_CASE("each fault and verdict has its own counter") {
   statistics.count_fault(DecodeFault::kUnknownType, "b");
   statistics.count_fault(DecodeFault::kBadSize, "c");
   statistics.count_fault(DecodeFault::kBadField, "d");
-  statistics.count_verdict(ScanVerdict::kTracked);
-  statistics.count_verdict(ScanVerdict::kEmpty);
-  statistics.count_verdict(ScanVerdict::kDuplicateTime);
-  statistics.count_verdict(ScanVerdict::kBackwardTime);
+  CHECK(statistics.report().counters.last_error == "d");
+  statistics.count_verdict(unused(ScanVerdict::kTracked));
+  statistics.count_verdict(unused(ScanVerdict::kEmpty));
+  statistics.count_verdict(unused(ScanVerdict::kDuplicateTime));
+  statistics.count_verdict(unused(ScanVerdict::kBackwardTime));
+  statistics.count_verdict(unused(ScanVerdict::kOtherClock));
   const Counters counters = statistics.report().counters;
   CHECK(counters.truncated == 1);
   CHECK(counters.unknown_type == 1);
@@ -58,8 +66,9 @@ TEST_CASE("each fault and verdict has its own counter") {
   CHECK(counters.empty == 1);
   CHECK(counters.duplicate_time == 1);
   CHECK(counters.backward_time == 1);
-  CHECK(counters.rejected() == 7);
-  CHECK(counters.last_error == "d");
+  CHECK(counters.clock == 1);
+  CHECK(counters.rejected() == 8);
+  CHECK(counters.last_error.find("was not used") != std::string::npos);
 }
 
 TEST_CASE("latencies forget what is long ago") {

@@ -3,12 +3,14 @@
 // scanlock-align --method 4dof..., from outside.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "../global/scenes.hpp"
 #include "align_samples.hpp"
+#include "geometry/angles.hpp"
 #include "io/cloud_file.hpp"
 #include "io/trajectory.hpp"
 
@@ -56,11 +58,65 @@ TEST_CASE("align finds a pose without a start, and says how sure it is") {
   }
 }
 
-TEST_CASE("align is not certain about clouds of different places") {
+TEST_CASE("align prints a pose that is not certain, says so and fails, unless it is to accept it") {
   const Yards yards;
-  const Result result = run(yards.folder, {"scanlock-align", yards.source, yards.elsewhere, "--json"});
-  CHECK(result.code == 0);
-  CHECK_FALSE(says(result.output, "\"verdict\":\"certain\""));
+  const std::string here = yards.folder / "here.pcd", there = yards.folder / "there.pcd";
+  write_cloud(here, scanned_tunnel(1));
+  write_cloud(there, scanned_tunnel(2));
+  struct Case {
+    std::string source, target, verdict;
+    int certain, ambiguous, any;  // exit codes by what is accepted
+  };
+  for (const Case& c :
+       {Case{yards.source, yards.target, "certain", 0, 0, 0}, Case{here, there, "ambiguous", 1, 0, 0},
+        Case{yards.source, yards.elsewhere, "no overlap", 1, 1, 0}}) {
+    const auto aligned = [&](const std::vector<std::string>& more) {
+      std::vector<std::string> command = {"scanlock-align", c.source, c.target, "--json"};
+      command.insert(command.end(), more.begin(), more.end());
+      return run(yards.folder, command);
+    };
+    CAPTURE(c.verdict);
+    const Result standard = aligned({});
+    CHECK(standard.code == c.certain);
+    CHECK(says(standard.output, "\"verdict\":\"" + c.verdict + "\""));
+    CHECK(standard.errors.empty() == (c.certain == 0));
+    if (c.certain != 0) {
+      CHECK(standard.errors.rfind("scanlock-align: the verdict is " + c.verdict + ": ", 0) == 0);
+      CHECK(says(standard.errors, c.ambiguous == 0 ? "--accept ambiguous" : "--accept any"));
+      CHECK(std::count(standard.errors.begin(), standard.errors.end(), '\n') == 1);
+    }
+    CHECK(aligned({"--accept", "certain"}).code == c.certain);
+    CHECK(aligned({"--accept", "ambiguous"}).code == c.ambiguous);
+    const Result any = aligned({"--accept", "any"});
+    CHECK(any.code == c.any);
+    CHECK(any.errors.empty());
+  }
+  CHECK(run(yards.folder, {"scanlock-align", here, there, "--accept", "all"}).code == 2);
+}
+
+TEST_CASE("clouds that hang upside down align as they do upright") {
+  const Yards yards;
+  Pose turn = Pose::Identity();
+  turn.linear() = Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  const std::string source = yards.folder / "hanging_source.pcd",
+                    target = yards.folder / "hanging_target.pcd", truth = yards.folder / "hanging_truth.txt",
+                    poses = yards.folder / "hanging.tum";
+  write_cloud(source, moved(read_cloud(yards.source), turn));
+  write_cloud(target, moved(read_cloud(yards.target), turn));
+  const Pose hanging = turn * level_pose(2.2, 3, -2, 0.1) * turn.inverse();
+  write_transform(truth, hanging);
+  for (const std::string method : {"4dof", "4dof+robust-icp", "4dof+robust-icp-plane"}) {
+    const Result result = run(yards.folder, {"scanlock-align", source, target, "--truth", truth, "--up",
+                                             "0,0,-1", "--method", method, "--json"});
+    CAPTURE(method);
+    CHECK(result.code == 0);
+    CHECK(says(result.output, "\"verdict\":\"certain\""));
+    CHECK(number(result.output, "rotation_error_deg") < (method == "4dof" ? 1.0 : 0.2));
+    CHECK(number(result.output, "translation_error") < (method == "4dof" ? 0.3 : 0.05));
+  }
+  REQUIRE(run(yards.folder, {"scanlock-align", target, source, "--chain", "--up", "0,0,-1", "--poses", poses})
+              .code == 0);
+  CHECK(near(read_tum(poses)[1].pose, hanging, 0.05, 0.0035));
 }
 
 TEST_CASE("align refuses a vertical and an epsilon that make no sense") {
@@ -92,6 +148,12 @@ TEST_CASE("align chains clouds without a start, and stops at a pair that is not 
   CHECK(stopped.code == 1);
   CHECK(stopped.output.empty());
   CHECK(says(stopped.errors, yards.elsewhere + " to " + yards.source));
+  std::vector<std::string> accepting = lost;
+  accepting.insert(accepting.end(), {"--accept", "any"});
+  const Result accepted = run(yards.folder, accepting);
+  CHECK(accepted.code == 0);
+  CHECK(accepted.errors.empty());
+  CHECK(std::count(accepted.output.begin(), accepted.output.end(), '\n') == 3);
   lost.push_back("--json");
   const Result went_on = run(yards.folder, lost);
   CHECK(went_on.code == 0);

@@ -26,9 +26,14 @@ TEST_CASE("scanlock-align solves a correspondence file") {
       CHECK(result.output.find(part) != std::string::npos);
     }
   }
-  const Result ransac =
-      run(folder, {"scanlock-align", "--correspondences", file, "--epsilon", "0.05", "--ransac", "--json"});
-  CHECK(ransac.code == 0);
+  std::vector<std::string> baseline = {"scanlock-align", "--correspondences", file,    "--epsilon",
+                                       "0.05",           "--ransac",          "--json"};
+  const Result ransac = run(folder, baseline);
+  CHECK(ransac.code == 1);
+  CHECK(ransac.errors ==
+        "scanlock-align: not certified: the consensus is 4, and its upper bound 5; --accept any takes it\n");
+  baseline.insert(baseline.end(), {"--accept", "any"});
+  CHECK(run(folder, baseline).code == 0);
   for (const char* part : {"\"consensus\":4", "\"certified\":false", "\"stop_reason\":\"samples\""}) {
     CAPTURE(part);
     CHECK(ransac.output.find(part) != std::string::npos);

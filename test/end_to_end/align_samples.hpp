@@ -5,12 +5,29 @@
 
 #include <doctest/doctest.h>
 
+#include <random>
 #include <string>
 
+#include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 #include "process.hpp"
 
 namespace scanlock::test {
+
+/// Three walls and a slope, 3000 points.
+inline PointCloud corner(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> side(0, 4);
+  PointCloud cloud;
+  for (int i = 0; i < 3000; ++i) {
+    const float a = side(random), b = side(random);
+    if (i % 4 == 0) cloud.push_back(a, b, 0);
+    if (i % 4 == 1) cloud.push_back(a, 0, b);
+    if (i % 4 == 2) cloud.push_back(0, a, b);
+    if (i % 4 == 3) cloud.push_back(4 + 0.3f * b, a, b);
+  }
+  return cloud;
+}
 
 /// The first number under this key.
 inline double number(const std::string& json, const std::string& key) {

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
-#include <cmath>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "align_samples.hpp"
 #include "geometry/rigid.hpp"
@@ -16,17 +16,14 @@ using namespace scanlock::test;
 
 namespace {
 
-/// Three walls and a slope, 3000 points.
-PointCloud corner(unsigned seed) {
+/// A square of flat ground, 3000 points.
+PointCloud ground(unsigned seed) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<float> side(0, 4);
+  std::uniform_real_distribution<float> side(-4, 4);
   PointCloud cloud;
   for (int i = 0; i < 3000; ++i) {
-    const float a = side(random), b = side(random);
-    if (i % 4 == 0) cloud.push_back(a, b, 0);
-    if (i % 4 == 1) cloud.push_back(a, 0, b);
-    if (i % 4 == 2) cloud.push_back(0, a, b);
-    if (i % 4 == 3) cloud.push_back(4 + 0.3f * b, a, b);
+    const float x = side(random), y = side(random);
+    cloud.push_back(x, y, 0);
   }
   return cloud;
 }
@@ -93,6 +90,25 @@ TEST_CASE("scanlock-align starts where it is told to") {
                                            "--init", files.truth, "--truth", files.truth, "--json"});
   REQUIRE(result.code == 0);
   CHECK(number(result.output, "rotation_error_deg") < 0.5);
+}
+
+TEST_CASE("scanlock-align fails where the clouds leave a motion open, unless it is to accept that") {
+  const TemporaryFolder folder;
+  const std::string source = folder / "source.ply", target = folder / "target.ply";
+  write_cloud(source, ground(1));
+  write_cloud(target, ground(2));
+  std::vector<std::string> command = {"scanlock-align",   source,  target, "--method",
+                                      "robust-icp-plane", "--json"};
+  const Result refused = run(folder, command);
+  CHECK(refused.code == 1);
+  CHECK(refused.output.find("\"degenerate_axes\":[\"x\",\"y\",\"rz\"]") != std::string::npos);
+  CHECK(refused.errors ==
+        "scanlock-align: the alignment is degenerate: the clouds leave x, y, rz open; --accept "
+        "ambiguous takes it\n");
+  command.insert(command.end(), {"--accept", "ambiguous"});
+  const Result accepted = run(folder, command);
+  CHECK(accepted.code == 0);
+  CHECK(accepted.errors.empty());
 }
 
 TEST_CASE("scanlock-align says what is wrong in one line") {

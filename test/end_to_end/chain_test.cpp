@@ -167,25 +167,3 @@ TEST_CASE("a scan in sectors has its pose, also when one of them is lost") {
   CHECK(poses.size() == 4);
   CHECK(worst_error(poses, 4) < 0.05);
 }
-
-TEST_CASE("a replay from a file loses nothing and gives the same poses twice") {
-  const Network network;
-  const TemporaryFolder folder;
-  write_log(folder / "in.lcmlog", drive(kScans, 16, 900));
-  std::vector<Event> first;
-  for (const std::string out : {"a.lcmlog", "b.lcmlog"}) {
-    const Result result = run(folder, {"scanlockd", "-l", "file://" + (folder / "in.lcmlog") + "?speed=0",
-                                       "--out-url", "file://" + (folder / out) + "?mode=w"});
-    CAPTURE(result.errors);
-    CHECK(result.code == 0);
-    std::vector<Event> published;
-    for (const auto& event : read_log(folder / out)) {
-      if (event.channel != "SCANLOCK_STATUS") published.push_back(event);  // it says how this run went
-    }
-    CHECK(poses_in(published, "POSE_BODY_CORRECTED").size() == kScans);
-    CHECK(worst_error(poses_in(published, "POSE_BODY_CORRECTED"), kScans) < 0.05);
-    if (first.empty()) first = published;
-    REQUIRE(published.size() == first.size());
-    for (std::size_t i = 0; i < first.size(); ++i) CHECK(published[i].data == first[i].data);
-  }
-}

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <signal.h>
 
+#include <atomic>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -24,6 +25,34 @@ long lines_in(const std::string& text) {
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
+
+}  // namespace
+
+namespace {
+
+/// Sends scans, ten a second, for as long as it lives.
+class Publisher {
+ public:
+  Publisher(const std::string& url, const std::string& channel) {
+    thread_ = std::thread([this, url, channel] {
+      Listener sender(url);
+      for (int i = 0; !stop_; ++i) {
+        sender.publish(channel, bytes_of(scan_from({}, utime_of(i), 16, 360)));
+        std::this_thread::sleep_for(milliseconds(100));
+      }
+    });
+  }
+  ~Publisher() {
+    stop_ = true;
+    thread_.join();
+  }
+  Publisher(const Publisher&) = delete;
+  Publisher& operator=(const Publisher&) = delete;
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
 
 }  // namespace
 
@@ -157,11 +186,39 @@ TEST_CASE("the doctor finds nothing wrong where multicast works") {
     return;
   }
   const TemporaryFolder folder;
+  const Publisher publisher(network.url(), "LIDAR");
   const Result result = run(folder, {"scanlockd", "--check", "--json", "-l", network.url()});
   CHECK(result.code == 0);
   const auto json = nlohmann::json::parse(result.output);
   CHECK(json["ok"] == true);
   CHECK(json["echo"]["received"] == json["echo"]["sent"]);
+}
+
+TEST_CASE("the doctor is not content with silence and names the channel that carries scans") {
+  const Network network;
+  if (!network.lack().empty() || possible_receive_buffer() < 4000000) {
+    MESSAGE("skipped: " << network.lack() << " (or no receive buffer of 4 MB)");
+    return;
+  }
+  const TemporaryFolder folder;
+  const Result silent = run(folder, {"scanlockd", "--check", "-l", network.url()});
+  CHECK(silent.code == 1);
+  CHECK(contains(silent.output, "nothing came on LIDAR"));
+  const Publisher publisher(network.url(), "VELODYNE");
+  const Result elsewhere = run(folder, {"scanlockd", "--check", "-l", network.url()});
+  CHECK(elsewhere.code == 1);
+  CHECK(contains(elsewhere.output, "scans are on VELODYNE (bot_core.pointcloud2_t)"));
+  CHECK(contains(elsewhere.output, "--scan-channel 'VELODYNE'"));
+}
+
+TEST_CASE("a URL that can never work ends the program at once") {
+  const TemporaryFolder folder;
+  for (const char* url : {"udpm://239.255.76.67:99999", "udpm://10.0.0.1:7667", "lcm", "rtps://here"}) {
+    CAPTURE(url);
+    const Result result = run(folder, {"scanlockd", "-l", url});
+    CHECK(result.code == 1);
+    CHECK(contains(result.errors, url));
+  }
 }
 
 TEST_CASE("the doctor finds the faults and names the command for each") {

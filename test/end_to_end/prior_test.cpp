@@ -5,6 +5,7 @@
 #include <bot_core/ins_t.hpp>
 #include <bot_core/pose_t.hpp>
 #include <cmath>
+#include <sstream>
 
 #include "process.hpp"
 #include "synthetic.hpp"
@@ -45,13 +46,34 @@ Result replay(const TemporaryFolder& folder, const std::string& log, const std::
 
 }  // namespace
 
+namespace {
+
+/// What a replay complains of, but for that its scans have no times of points, as these have not.
+std::string complaints(const Result& result) {
+  std::string left;
+  std::istringstream lines(result.errors);
+  for (std::string line; std::getline(lines, line);)
+    if (line.find("scans without times of points") == std::string::npos) left += line + "\n";
+  return left;
+}
+
+/// The poses of a log, byte by byte.
+std::string odometry_in(const std::string& log) {
+  std::string bytes;
+  for (const Event& event : read_log(log))
+    if (event.channel == "SCANLOCK_ODOMETRY") bytes.append(event.data.begin(), event.data.end());
+  return bytes;
+}
+
+}  // namespace
+
 TEST_CASE("a replay with priors gives the same bytes twice and has nothing to complain of") {
   const TemporaryFolder folder;
   write_log(folder / "drive.lcmlog", drive_with_priors(0));
   const Result first = replay(folder, "drive.lcmlog", "first.lcmlog");
   const Result second = replay(folder, "drive.lcmlog", "second.lcmlog");
   CHECK(first.code == 0);
-  CHECK(first.errors.empty());
+  CHECK(complaints(first) == "");
   CHECK(read_file(folder / "first.lcmlog") == read_file(folder / "second.lcmlog"));
   CHECK(worst_error(poses_in(read_log(folder / "first.lcmlog"), "POSE_BODY_CORRECTED"), kScans) < 0.3);
 }
@@ -65,8 +87,9 @@ TEST_CASE("priors on another clock are reported and the poses are as without the
   const Result plain = run(folder, {"scanlock-odometry", folder / "shifted.lcmlog", "--output",
                                     folder / "plain_out.lcmlog", "--json"});
   CHECK(plain.code == 0);
-  CHECK(plain.errors.empty());
-  CHECK(read_file(folder / "shifted_out.lcmlog") == read_file(folder / "plain_out.lcmlog"));
+  CHECK(complaints(plain) == "");
+  CHECK_FALSE(odometry_in(folder / "plain_out.lcmlog").empty());
+  CHECK(odometry_in(folder / "shifted_out.lcmlog") == odometry_in(folder / "plain_out.lcmlog"));
 }
 
 TEST_CASE("a channel with two purposes is an error that names both") {

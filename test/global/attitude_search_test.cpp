@@ -87,6 +87,20 @@ TEST_CASE("the search is not made again for its runner-up") {
   CHECK(found.nodes == register_matches(turned, alone).nodes);
 }
 
+TEST_CASE("work is bounded over all attitudes, and what was not looked at is not ruled out") {
+  const Slopes slopes(3);
+  MatchRegistrationOptions options;
+  std::vector<Vector3d> ups;
+  for (int k = 0; k < 60; ++k) ups.push_back(slopes.ups[static_cast<std::size_t>(k) % slopes.ups.size()]);
+  const MatchRegistration all = search_attitudes(slopes.matches, options, ups, Vector3d::Zero());
+  REQUIRE(all.certified);
+  options.max_work = all.work / 10;
+  const MatchRegistration some = search_attitudes(slopes.matches, options, ups, Vector3d::Zero());
+  CHECK(some.work < all.work / 8);
+  CHECK_FALSE(some.certified);
+  CHECK(some.upper_bound >= all.consensus);
+}
+
 TEST_CASE("the middle of directions") {
   const Vector3d z = Vector3d::UnitZ(), aside = Vector3d(0.1, 0, 1).normalized();
   CHECK(middle_of({}) == z);

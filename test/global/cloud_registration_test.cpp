@@ -7,13 +7,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "geometry/angles.hpp"
 #include "scenes.hpp"
 
 using namespace scanlock;
 
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 CloudRegistration registered(const PointCloud& source, const PointCloud& target) {
   return register_raw_clouds(source, target, Eigen::Vector3d::UnitZ(), {}, {});
@@ -54,26 +53,6 @@ PointCloud scanned_corridor(unsigned sampling) {
       const float a = static_cast<float>(k % 100) / 25 - 2;
       const float sides[4][2] = {{a, -2}, {a, 2}, {-2, a}, {2 + 0.5f * a, a}};  // one wall leans
       cloud.push_back(x + noise(), sides[k / 100][0] + noise(), sides[k / 100][1] + noise());
-    }
-  }
-  return cloud;
-}
-
-/// A vaulted tunnel along x, as a scanner of 16 beams sees it from anywhere in it.
-PointCloud scanned_tunnel(unsigned sampling) {
-  std::mt19937 rng(sampling);
-  std::normal_distribution<double> noise(0, 0.01);
-  PointCloud cloud;
-  for (int beam = 0; beam < 16; ++beam) {
-    const double elevation = (2 * beam - 15) * kDegree;
-    for (int k = 0; k < 1800; ++k) {
-      const double azimuth = 0.2 * k * kDegree;
-      const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
-                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-      const double wall = (3.0 + 1.5 * (ray.y() > 0)) / std::abs(ray.y());  // nearer on one side
-      const double level = ray.z() > 0 ? 4.0 / ray.z() : 1.5 / -ray.z();
-      const double range = std::min(wall, level) + noise(rng);
-      if (range < 60) cloud.push_back((range * ray).cast<float>());
     }
   }
   return cloud;

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <random>
 
+#include "geometry/angles.hpp"
 #include "geometry/moved_cloud.hpp"
 
 namespace scanlock {
@@ -30,6 +32,26 @@ inline PointCloud yard(unsigned seed, unsigned sampling) {
       const double u = k % 2 == 0 ? side * a : (k % 4 == 1 ? a : -a);
       const double v = k % 2 == 0 ? (k % 4 == 0 ? b : -b) : side * b;
       add(x + std::cos(turn) * u - std::sin(turn) * v, y + std::sin(turn) * u + std::cos(turn) * v, z);
+    }
+  }
+  return cloud;
+}
+
+/// A vaulted tunnel along x, as a scanner of 16 beams sees it from anywhere in it.
+inline PointCloud scanned_tunnel(unsigned sampling) {
+  std::mt19937 rng(sampling);
+  std::normal_distribution<double> noise(0, 0.01);
+  PointCloud cloud;
+  for (int beam = 0; beam < 16; ++beam) {
+    const double elevation = (2 * beam - 15) * kDegree;
+    for (int k = 0; k < 1800; ++k) {
+      const double azimuth = 0.2 * k * kDegree;
+      const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
+                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      const double wall = (3.0 + 1.5 * (ray.y() > 0)) / std::abs(ray.y());  // nearer on one side
+      const double level = ray.z() > 0 ? 4.0 / ray.z() : 1.5 / -ray.z();
+      const double range = std::min(wall, level) + noise(rng);
+      if (range < 60) cloud.push_back((range * ray).cast<float>());
     }
   }
   return cloud;

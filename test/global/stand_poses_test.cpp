@@ -71,4 +71,20 @@ TEST_CASE("clouds without steep surfaces or eyes give no guesses") {
   CHECK(stand_poses(corner(), blind, kVoxel, {}).empty());
 }
 
+TEST_CASE("of a body that stood in many ways no more poses are looked at") {
+  PointCloud target = corner();
+  for (int k = 0; k < 4000; ++k) {  // seen from everywhere
+    target.push_back({5, 0, 1});
+    target.nx.push_back(-1);
+    target.ny.push_back(0);
+    target.nz.push_back(0);
+    target.eyes.push_back({0.5f * static_cast<float>(k % 80), 0.5f * static_cast<float>(k / 80), 0});
+  }
+  std::vector<Eigen::Vector3d> ups;
+  for (int k = 0; k < 100; ++k) ups.push_back(Eigen::Vector3d(0.01 * k, 0.02, 1).normalized());
+  const std::size_t few = stand_poses(target, target, kVoxel, {ups.front()}).size();
+  CHECK(few > 1000);
+  CHECK(stand_poses(target, target, kVoxel, ups).size() <= 40000);
+}
+
 }  // namespace scanlock

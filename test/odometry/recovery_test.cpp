@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include "framed_tracker.hpp"
 #include "odometry/tracker.hpp"
 #include "room.hpp"
 
@@ -40,7 +41,7 @@ struct Drive {
 };
 
 /// Tracks a scan and answers what the tracker asks, at once.
-TrackedScan step(Tracker& tracker, PlaceFinder& finder, const Scan& scan, const ScanPrior& prior = {}) {
+TrackedScan step(FramedTracker& tracker, PlaceFinder& finder, const Scan& scan, const ScanPrior& prior = {}) {
   const TrackedScan tracked = tracker.track(scan, prior);
   if (const auto request = tracker.take_request()) tracker.give(finder.find(*request));
   return tracked;
@@ -54,8 +55,9 @@ double error(const Pose& truth, const Pose& found) {
 }  // namespace
 
 TEST_CASE("a kidnapped robot comes back with a certificate and in the same frame") {
+  const Frame frame = each_frame();
   const Drive drive{60, at(-4, 1, 150 * kDegree)};
-  Tracker tracker(TrackerConfig{});
+  FramedTracker tracker(TrackerConfig{}, frame);
   PlaceFinder finder;
   int accepted = 0, back = -1;
   for (int i = 0; i < 95; ++i) {
@@ -82,10 +84,11 @@ TEST_CASE("a kidnapped robot comes back with a certificate and in the same frame
 }
 
 TEST_CASE("a sensor of few points recognises its place as soon") {
+  const Frame frame = each_frame();
   for (const int rays : {300, 600}) {
     CAPTURE(rays);
     const Drive drive{60, at(0, -1, 170 * kDegree), rays};
-    Tracker tracker(TrackerConfig{});
+    FramedTracker tracker(TrackerConfig{}, frame);
     PlaceFinder finder;
     int back = -1;
     for (int i = 0; i < 75 && back < 0; ++i) {
@@ -99,10 +102,11 @@ TEST_CASE("a sensor of few points recognises its place as soon") {
 }
 
 TEST_CASE("what one search finds is not believed before another one agrees unless it is clear") {
+  const Frame frame = each_frame();
   const Drive drive{40, at(-5, -1, 100 * kDegree)};
   for (const bool clear : {false, true}) {
     CAPTURE(clear);
-    Tracker tracker(TrackerConfig{});
+    FramedTracker tracker(TrackerConfig{}, frame);
     PlaceFinder finder;
     int answers = 0, back = -1;
     for (int i = 0; i < 70 && back < 0; ++i) {
@@ -122,10 +126,11 @@ TEST_CASE("what one search finds is not believed before another one agrees unles
 }
 
 TEST_CASE("a robot that was blind is taken back on new ground where it was expected") {
+  const Frame frame = each_frame();
   const Drive drive{1000, Pose::Identity()};
   for (const bool contradicted : {false, true}) {
     CAPTURE(contradicted);
-    Tracker tracker(TrackerConfig{});
+    FramedTracker tracker(TrackerConfig{}, frame);
     PlaceFinder finder;
     int back = -1;
     for (int i = 0; i < 54; ++i) {
@@ -149,8 +154,9 @@ TEST_CASE("a robot that was blind is taken back on new ground where it was expec
 }
 
 TEST_CASE("a kidnapped robot that sees much new ground is taken back when two searches agree") {
+  const Frame frame = each_frame();
   const Drive drive{25, at(0, -2, 100 * kDegree)};
-  Tracker tracker(TrackerConfig{});
+  FramedTracker tracker(TrackerConfig{}, frame);
   PlaceFinder finder;
   int answers = 0, back = -1;
   for (int i = 0; i < 45; ++i) {
@@ -169,10 +175,11 @@ TEST_CASE("a kidnapped robot that sees much new ground is taken back when two se
 }
 
 TEST_CASE("a planar sensor needs four finds that agree and show half of what is seen") {
+  const Frame frame = each_frame();
   const Drive drive{60, at(-5, 1, 20 * kDegree)};
   for (const bool little : {false, true}) {
     CAPTURE(little);
-    Tracker tracker(TrackerConfig{});
+    FramedTracker tracker(TrackerConfig{}, frame);
     PlaceFinder finder;
     int answers = 0;
     bool back = false;
@@ -194,8 +201,9 @@ TEST_CASE("a planar sensor needs four finds that agree and show half of what is 
 }
 
 TEST_CASE("what a finder remembers of other searches changes no answer") {
+  const Frame frame = each_frame();
   const Drive drive{40, at(-5, -1, 100 * kDegree)};
-  Tracker tracker(TrackerConfig{});
+  FramedTracker tracker(TrackerConfig{}, frame);
   std::optional<RecoveryRequest> request;
   for (int i = 0; i < 60 && !request; ++i) {
     tracker.track(drive.scan(i));
@@ -220,10 +228,11 @@ TEST_CASE("what a finder remembers of other searches changes no answer") {
 }
 
 TEST_CASE("a saved map is found again by another run") {
+  const Frame frame = each_frame();
   const Drive drive{1000, Pose::Identity()};
-  Tracker first(TrackerConfig{});
+  FramedTracker first(TrackerConfig{}, frame);
   for (int i = 0; i < 60; ++i) first.track(drive.scan(i));
-  Tracker second(TrackerConfig{});
+  FramedTracker second(TrackerConfig{}, frame);
   PlaceFinder finder;
   second.load(first.save());
   const Drive later{0, at(-3, 1, 2.0)};
@@ -243,9 +252,10 @@ TEST_CASE("a saved map is found again by another run") {
 }
 
 TEST_CASE("a robot that was carried onto a slope is found with an attitude sensor only") {
+  const Frame frame = each_frame();
   const Drive drive{
       40, at(-4, 0, -150 * kDegree) * se3_exp((Vector6() << 0, 0, 0, 10 * kDegree, 0, 0).finished())};
-  Tracker with(TrackerConfig{}), without(TrackerConfig{});
+  FramedTracker with(TrackerConfig{}, frame), without(TrackerConfig{}, frame);
   PlaceFinder finder_with, finder_without;
   TrackedScan a, b;
   for (int i = 0; i < 60; ++i) {
@@ -264,10 +274,11 @@ TEST_CASE("a robot that was carried onto a slope is found with an attitude senso
 }
 
 TEST_CASE("recoveries are the same in every run and for every number of threads") {
+  const Frame frame = each_frame();
   const Drive drive{40, at(-5, -1, 100 * kDegree)};
   TrackerConfig one, two;
   two.threads = 2;
-  Tracker a(one), b(two);
+  FramedTracker a(one, frame), b(two, frame);
   PlaceFinder finder_a, finder_b;
   for (int i = 0; i < 60; ++i) {
     const TrackedScan x = step(a, finder_a, drive.scan(i)), y = step(b, finder_b, drive.scan(i));
@@ -278,8 +289,9 @@ TEST_CASE("recoveries are the same in every run and for every number of threads"
 }
 
 TEST_CASE("an answer that comes too late is not used") {
+  const Frame frame = each_frame();
   const Drive drive{40, at(-5, -1, 100 * kDegree)};
-  Tracker tracker(TrackerConfig{});
+  FramedTracker tracker(TrackerConfig{}, frame);
   PlaceFinder finder;
   std::optional<RecoveryRequest> request;
   int i = 0;
@@ -296,8 +308,9 @@ TEST_CASE("an answer that comes too late is not used") {
 }
 
 TEST_CASE("a pose that somebody sets is taken up in the same map") {
+  const Frame frame = each_frame();
   const Drive drive{1000, Pose::Identity()};
-  Tracker tracker(TrackerConfig{});
+  FramedTracker tracker(TrackerConfig{}, frame);
   for (int i = 0; i < 60; ++i) tracker.track(drive.scan(i));
   const Drive carried{0, drive.pose(20)};
   const Pose truth = drive.pose(0).inverse() * carried.pose(60);
@@ -310,8 +323,9 @@ TEST_CASE("a pose that somebody sets is taken up in the same map") {
 }
 
 TEST_CASE("odometry that comes with the scans bridges what a velocity cannot") {
+  const Frame frame = each_frame();
   const Drive before{1000, Pose::Identity()};
-  Tracker with(TrackerConfig{}), without(TrackerConfig{});
+  FramedTracker with(TrackerConfig{}, frame), without(TrackerConfig{}, frame);
   for (int i = 0; i < 20; ++i) {
     with.track(before.scan(i));
     without.track(before.scan(i));

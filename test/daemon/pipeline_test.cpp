@@ -1,11 +1,10 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "daemon/worker.hpp"
+#include "daemon/pipeline.hpp"
 
 #include <doctest/doctest.h>
 
 #include <filesystem>
-#include <future>
 #include <vector>
 
 #include "../io/temporary_directory.hpp"
@@ -16,40 +15,31 @@ using namespace scanlock;
 
 namespace {
 
-/// A worker on its own thread, its inbox and what came out.
+/// A pipeline and what came out.
 class Bench {
  public:
-  explicit Bench(const Config& config) : worker_(config, inbox_, finished_, statistics_) {
-    working_ = std::async(std::launch::async, [this] { worker_.run(); });
-    collecting_ = std::async(std::launch::async, [this] {
-      while (auto finished = finished_.take()) tracked_.push_back(finished->tracked);
-    });
-  }
-  ~Bench() { end(); }
+  explicit Bench(const Config& config, Pipeline::Mode mode = Pipeline::Mode::kLive)
+      : pipeline_(config, statistics_, mode) {}
 
-  void scan(std::int64_t number, const PriorSample& prior = {}) {
+  void scan(std::int64_t number, const PriorSample& prior = {}) { scan_at(1000000 + 100000 * number, prior); }
+  void scan_at(std::int64_t utime, const PriorSample& prior = {}) {
     ReceivedScan received;
     received.prior = prior;
-    received.scan = hall_scan(Pose::Identity(), Vector6::Zero(), 1000000 + 100000 * number, 5);
-    inbox_.put(std::move(received));
+    received.scan = hall_scan(Pose::Identity(), Vector6::Zero(), utime, 5);
+    tracked_.push_back(pipeline_.process(received).tracked);
   }
   void command(CommandKind kind, const std::string& path = "", const Pose& pose = Pose::Identity()) {
-    inbox_.post({0, kind, pose, path});
+    pipeline_.execute({0, kind, pose, path});
   }
   std::vector<TrackedScan> end() {
-    inbox_.finish();
-    if (working_.valid()) working_.get();
-    if (collecting_.valid()) collecting_.get();
+    pipeline_.finish();
     return tracked_;
   }
   Counters counters() const { return statistics_.report().counters; }
 
  private:
-  WorkInbox inbox_{8};
-  Slot<FinishedScan> finished_;
   Statistics statistics_;
-  Worker worker_;
-  std::future<void> working_, collecting_;
+  Pipeline pipeline_;
   std::vector<TrackedScan> tracked_;
 };
 
@@ -132,6 +122,7 @@ TEST_CASE("the configured map is written on exit and found at the next start") {
     Bench bench(config);
     bench.scan(0);
     bench.scan(1);
+    bench.end();
   }
   const SavedMap map = read_map(config.daemon.map.file);
   CHECK_FALSE(map.keyframes.empty());
@@ -149,6 +140,7 @@ TEST_CASE("a damaged map stops the start and stays as it is") {
   {
     Bench bench(config);
     for (int i = 0; i < 3; ++i) bench.scan(i);
+    bench.end();
   }
   Bytes bytes = file_bytes(config.daemon.map.file);
   REQUIRE(bytes.size() > 300);
@@ -165,12 +157,14 @@ TEST_CASE("a map that the new one does not continue is kept") {
   {
     Bench bench(config);
     for (int i = 0; i < 3; ++i) bench.scan(i);
+    bench.end();
   }
   const Bytes before = file_bytes(config.daemon.map.file);
   {
     Bench bench(config);
     bench.command(CommandKind::kReset);
     for (int i = 3; i < 6; ++i) bench.scan(i);
+    bench.end();
   }
   CHECK(file_bytes(folder / "hall.map.old") == before);
   CHECK(read_map(config.daemon.map.file).keyframes.at(0).utime > 1000000 + 100000 * 2);
@@ -186,7 +180,7 @@ TEST_CASE("without a scan no map file appears") {
   const TemporaryDirectory folder;
   Config config;
   config.daemon.map.file = folder / "hall.map";
-  { Bench bench(config); }
+  Bench(config).end();
   CHECK_FALSE(std::filesystem::exists(config.daemon.map.file));
 }
 
@@ -203,4 +197,55 @@ TEST_CASE("odometry that contradicts the scans is reported and the pose stays") 
   REQUIRE(tracked.size() == 12);
   CHECK(tracked.back().state == TrackingState::kTracking);
   CHECK(tracked.back().map_from_body.translation().norm() < 0.05);
+}
+
+TEST_CASE("a map that cannot be written is a failure at exit and a rejected command") {
+  const TemporaryDirectory folder;
+  Config config;
+  config.daemon.map.file = folder / "hall.map";
+  Bench bench(config);
+  for (int i = 0; i < 3; ++i) bench.scan(i);
+  bench.command(CommandKind::kSaveMap, "/nonexistent/folder/hall.map");
+  std::filesystem::create_directory(config.daemon.map.file);  // where the file should go
+  CHECK_THROWS_WITH_AS(bench.end(), doctest::Contains("hall.map"), std::runtime_error);
+  CHECK(bench.counters().commands == 0);
+  CHECK(bench.counters().commands_rejected == 1);
+}
+
+TEST_CASE("a replay writes none of the files that its log names") {
+  const TemporaryDirectory folder;
+  Bench bench(Config{}, Pipeline::Mode::kReplay);
+  for (int i = 0; i < 3; ++i) bench.scan(i);
+  bench.command(CommandKind::kSaveMap, folder / "hall.map");
+  bench.end();
+  CHECK(bench.counters().commands_rejected == 1);
+  CHECK_FALSE(std::filesystem::exists(folder / "hall.map"));
+}
+
+TEST_CASE("a step of the clock is counted and named and leaves map and epoch") {
+  Bench bench{Config{}};
+  for (int i = 0; i < 5; ++i) bench.scan(i);
+  for (int i = 0; i < 5; ++i) bench.scan_at(7000000000 + 100000 * i);
+  const std::vector<TrackedScan> tracked = bench.end();
+  CHECK(bench.counters().clock_steps == 1);
+  CHECK(bench.counters().last_error.find("1400000") != std::string::npos);
+  CHECK(bench.counters().last_error.find("7000200000") != std::string::npos);
+  CHECK(tracked.back().state == TrackingState::kTracking);
+  CHECK(tracked.back().epoch == tracked.front().epoch);
+  CHECK(tracked.back().map_from_body.translation().norm() < 0.02);
+}
+
+TEST_CASE("until a place in a loaded map is believed a pose is not one of the map") {
+  const TemporaryDirectory folder;
+  Config config;
+  config.daemon.map.file = folder / "hall.map";
+  {
+    Bench bench(config);
+    for (int i = 0; i < 3; ++i) bench.scan(i);
+    CHECK(bench.end().back().localised);
+  }
+  Bench again(config);
+  again.scan(0);
+  again.scan(1);
+  CHECK_FALSE(again.end().back().localised);
 }

@@ -1,0 +1,58 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <lcm/lcm-cpp.hpp>
+#include <memory>
+#include <string>
+
+#include "daemon/statistics.hpp"
+#include "io/lcm_log.hpp"
+#include "messages/encode.hpp"
+
+namespace scanlock {
+
+/// Where messages go.
+class MessageSink {
+ public:
+  virtual ~MessageSink() = default;
+  /// `utime`: microseconds, the time of its event in a log.
+  virtual void send(std::int64_t utime, const std::string& channel, const Bytes& message) = 0;
+  /// Throws std::runtime_error where what was sent did not get there.
+  virtual void close() {}
+};
+
+/// An LCM network, which may come later, or go and come back: what is lost meanwhile is counted and said.
+class NetworkSink final : public MessageSink {
+ public:
+  NetworkSink(std::string url, Statistics& statistics);
+  void send(std::int64_t utime, const std::string& channel, const Bytes& message) override;
+
+ private:
+  bool connect();
+
+  const std::string url_;
+  Statistics& statistics_;
+  std::unique_ptr<lcm::LCM> lcm_;
+  std::chrono::steady_clock::time_point next_attempt_{};
+};
+
+/// An LCM log. A write that fails throws std::runtime_error.
+class LogSink final : public MessageSink {
+ public:
+  LogSink(const std::string& path, LogWriter::Mode mode) : writer_(path, mode) {}
+  void send(std::int64_t utime, const std::string& channel, const Bytes& message) override {
+    writer_.write(utime, channel, message);
+  }
+  void close() override { writer_.close(); }
+
+ private:
+  LogWriter writer_;
+};
+
+/// Throws ConfigError for a URL that can never be published to.
+std::unique_ptr<MessageSink> open_sink(const std::string& url, Statistics& statistics);
+
+}  // namespace scanlock

@@ -1,0 +1,144 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "daemon/pipeline.hpp"
+
+#include <array>
+#include <exception>
+#include <stdexcept>
+
+#include "daemon/mount.hpp"
+
+namespace scanlock {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+float milliseconds(Clock::duration duration) {
+  return std::chrono::duration<float, std::milli>(duration).count();
+}
+
+const char* name_of(CommandKind kind) {
+  switch (kind) {
+    case CommandKind::kSetPose:
+      return "set pose";
+    case CommandKind::kReset:
+      return "reset";
+    case CommandKind::kSaveMap:
+      return "save map";
+    case CommandKind::kLoadMap:
+      return "load map";
+  }
+  return "?";
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const Config& config, Statistics& statistics, Mode mode)
+    : mode_(mode),
+      body_from_sensor_(body_from_sensor(config.daemon.mount)),
+      statistics_(statistics),
+      maps_(config.daemon.map, statistics),
+      tracker_(config.tracker),
+      judge_(body_from_sensor_),
+      search_(mode == Mode::kReplay) {
+  if (std::optional<SavedMap> saved = maps_.load_at_start()) tracker_.load(std::move(*saved));
+}
+
+FinishedScan Pipeline::process(const ReceivedScan& received) {
+  FinishedScan finished;
+  finished.scan_seq = received.seq;
+  finished.recv_utime = received.recv_utime;
+  finished.arrival = received.arrival;
+  finished.tracked.utime = received.scan.utime;
+  try {
+    if (auto answer = search_.poll()) tracker_.give(std::move(*answer));
+    track(received, &finished);
+    if (auto request = tracker_.take_request()) search_.start(std::move(*request));
+  } catch (const std::exception& error) {  // out of memory, at most; the next scan begins anew
+    statistics_.complain(std::string("a scan could not be tracked, starting anew: ") + error.what());
+    tracker_.reset();
+    finished.tracked.verdict = ScanVerdict::kEmpty;
+    finished.tracked.why = error.what();
+  }
+  note_clock(finished.tracked);
+  return finished;
+}
+
+void Pipeline::track(const ReceivedScan& received, FinishedScan* finished) {
+  std::array<float, 3> stages{};
+  auto mark = Clock::now();
+  finished->times.decode_ms = static_cast<float>(received.decode_ms);
+  finished->times.wait_ms = milliseconds(mark - received.arrival) - finished->times.decode_ms;
+  tracker_.set_stage_observer([&](Stage stage) {
+    const auto now = Clock::now();
+    stages[static_cast<std::size_t>(stage)] += milliseconds(now - mark);
+    mark = now;
+  });
+  finished->tracked = seen_from_body(track_with_prior(received), body_from_sensor_);
+  tracker_.set_stage_observer(nullptr);
+  finished->times.preprocess_ms = stages[0];
+  finished->times.align_ms = stages[1];
+  finished->times.map_ms = stages[2];
+  if (const auto sentence = publishers_.look(finished->tracked))
+    statistics_.complain(&Counters::two_publishers, *sentence);
+}
+
+TrackedScan Pipeline::track_with_prior(const ReceivedScan& received) {
+  TrackedScan tracked = tracker_.track(received.scan, judge_.prior(received.prior));
+  const std::int64_t before = judge_.contradictions();
+  const auto sentence = judge_.learn(received.prior, tracked);
+  const std::int64_t contradictions = judge_.contradictions() - before;
+  if (sentence)
+    statistics_.complain(&Counters::priors_contradicting, *sentence, contradictions);
+  else
+    statistics_.count(&Counters::priors_contradicting, contradictions);
+  return tracked;
+}
+
+void Pipeline::note_clock(const TrackedScan& tracked) {
+  if (!tracked.clock_step_from) return;
+  statistics_.complain(&Counters::clock_steps,
+                       "the clock of the scans stepped: the last scan of the old one has utime " +
+                           std::to_string(*tracked.clock_step_from) + ", the new one says " +
+                           std::to_string(tracked.utime) + "; map, pose and epoch stay");
+}
+
+void Pipeline::execute(const Command& command) {
+  const std::string what = std::string("command to ") + name_of(command.kind);
+  try {
+    attempt(command);
+  } catch (const std::exception& error) {
+    statistics_.complain(&Counters::commands_rejected, what + " rejected: " + error.what());
+    return;
+  }
+  statistics_.say(LogLevel::kInfo, what + " taken");
+  if (command.kind != CommandKind::kSaveMap)
+    statistics_.count(&Counters::commands);  // else when it is written
+}
+
+void Pipeline::attempt(const Command& command) {
+  const Pose& mount = body_from_sensor_;
+  switch (command.kind) {
+    case CommandKind::kSetPose:
+      return tracker_.set_pose(mount.inverse() * command.map_from_body * mount);
+    case CommandKind::kReset:
+      return tracker_.reset();
+    case CommandKind::kSaveMap:
+      if (mode_ == Mode::kReplay)
+        throw std::runtime_error(
+            "a replay does not write the files that were written when its log was recorded");
+      return maps_.save_on_command(command.path, tracker_.save());
+    case CommandKind::kLoadMap:
+      return tracker_.load(maps_.load(command.path));
+  }
+}
+
+void Pipeline::save_map_when_due() {
+  if (maps_.is_due(Clock::now())) maps_.save_if_grown(tracker_.save());
+}
+
+void Pipeline::finish() {
+  maps_.save_at_exit(tracker_.save());
+}
+
+}  // namespace scanlock

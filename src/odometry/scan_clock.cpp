@@ -1,0 +1,94 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/scan_clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scanlock {
+namespace {
+
+constexpr double kLongestPeriod = 60;   // seconds, before a period is known
+constexpr double kPeriodsAhead = 10;    // a sensor of a long period may well miss a few scans
+constexpr double kLate = 1.0;           // seconds: a scan that something held up on its way
+constexpr int kScansOfAStep = 3;        // in a row
+constexpr int kScansOfAnotherOne = 10;  // between those of the clock, make another publisher
+
+/// Seconds from b to a. In doubles: hostile stamps may lie farther apart than an int64 holds, and near ones
+/// are exact.
+double difference_s(std::int64_t a, std::int64_t b) {
+  const double far = static_cast<double>(a) - static_cast<double>(b);
+  return std::abs(far) > 1e15 ? 1e-6 * far : 1e-6 * static_cast<double>(a - b);
+}
+
+}  // namespace
+
+double ScanClock::period_s() const {
+  std::array<double, kPeriods> sorted = periods_;
+  const int known = std::min(periods_noted_, kPeriods);
+  std::sort(sorted.begin(), sorted.begin() + known);
+  return known > 0 ? sorted[static_cast<std::size_t>(known / 2)] : 0.0;
+}
+
+void ScanClock::note_period(double seconds) {
+  periods_[static_cast<std::size_t>(periods_noted_ % kPeriods)] = seconds;
+  periods_noted_ = periods_noted_ + 1 < 2 * kPeriods ? periods_noted_ + 1 : kPeriods;
+}
+
+bool ScanClock::advances(const Chain& chain, const Scan& scan) const {
+  const double ahead = difference_s(scan.utime, chain.last);
+  const double longest =
+      periods_noted_ > 0 ? std::max(kLongestGap, kPeriodsAhead * period_s()) : kLongestPeriod;
+  return chain.scans > 0 && chain.by_arrival == scan.stamped_by_arrival && ahead > 0 && ahead <= longest;
+}
+
+void ScanClock::extend(Chain& chain, const Scan& scan) const {
+  if (!advances(chain, scan)) chain = {scan.utime, scan.utime, scan.stamped_by_arrival, 0};
+  chain.last = scan.utime;
+  ++chain.scans;
+}
+
+ScanClock::Reading ScanClock::accept(const Scan& scan) {
+  Reading reading;
+  reading.last_utime = clock_.last;
+  if (clock_.scans > 0) {
+    reading.elapsed_s = reading.most_elapsed_s = difference_s(scan.utime, clock_.last);
+    note_period(reading.elapsed_s);
+  }
+  extend(clock_, scan);
+  rejected_ = {};
+  return reading;
+}
+
+ScanClock::Reading ScanClock::step() {
+  Reading reading;
+  reading.verdict = Verdict::kStepped;
+  reading.last_utime = clock_.last;
+  const double seen = difference_s(rejected_.last, rejected_.first);
+  const double period = periods_noted_ > 0 ? period_s() : seen / (kScansOfAStep - 1);
+  reading.elapsed_s = seen + period;
+  reading.most_elapsed_s = std::max(reading.elapsed_s, kLongestGap);
+  clock_ = rejected_;
+  rejected_ = other_ = {};
+  return reading;
+}
+
+ScanClock::Reading ScanClock::read(const Scan& scan) {
+  if (clock_.scans == 0 || advances(clock_, scan)) return accept(scan);
+  Reading reading;
+  reading.last_utime = clock_.last;
+  const double behind = difference_s(clock_.last, scan.utime);
+  const bool same = clock_.by_arrival == scan.stamped_by_arrival;
+  if (same && behind == 0) {
+    reading.verdict = Verdict::kDuplicate;
+    return reading;
+  }
+  extend(rejected_, scan);
+  extend(other_, scan);
+  if (rejected_.scans == kScansOfAStep) return step();
+  reading.verdict = same && behind > 0 && behind <= kLate ? Verdict::kBackward : Verdict::kOtherClock;
+  reading.interleaved = other_.scans >= kScansOfAnotherOne;
+  return reading;
+}
+
+}  // namespace scanlock

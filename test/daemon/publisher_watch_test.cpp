@@ -1,0 +1,53 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "daemon/publisher_watch.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace scanlock;
+
+namespace {
+
+/// Whether any of the counts said so.
+bool told(std::initializer_list<std::int32_t> first_counts, int scans, bool sectors = false, int each = 1) {
+  CountWatch watch;
+  bool any = false;
+  for (int i = 0; i < scans; ++i) {
+    for (const std::int32_t first : first_counts) {
+      for (int k = 0; k < each; ++k) any = watch.interleaves(first == 0 ? 0 : first + i, sectors) || any;
+    }
+  }
+  return any;
+}
+
+TrackedScan scan(PoseMethod method) {
+  TrackedScan tracked;
+  tracked.method = method;
+  return tracked;
+}
+
+}  // namespace
+
+TEST_CASE("counts of two senders in turn are told from those of one") {
+  CHECK(told({100, 5000}, 20));
+  CHECK(told({100, 100}, 20));  // started at once
+  CHECK(told({100, 5000}, 20, true));
+  CHECK_FALSE(told({100}, 100));
+  CHECK_FALSE(told({0}, 100));              // a type without a count
+  CHECK_FALSE(told({100}, 100, true, 30));  // 30 sectors a scan
+  CHECK_FALSE(told({100, 5000}, 4));        // too few to tell
+}
+
+TEST_CASE("places that alternate scan by scan are named once in a while") {
+  PublisherWatch watch;
+  int named = 0;
+  for (int i = 0; i < 500; ++i)
+    named += watch.look(scan(i % 2 == 0 ? PoseMethod::kIcp : PoseMethod::kPredicted)) ? 1 : 0;
+  CHECK(named == 1);
+}
+
+TEST_CASE("a robot that is lost or follows is not two robots") {
+  PublisherWatch watch;
+  for (int i = 0; i < 500; ++i)
+    CHECK_FALSE(watch.look(scan(i % 50 < 25 ? PoseMethod::kIcp : PoseMethod::kPredicted)));
+}

@@ -1,0 +1,89 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <vector>
+
+#include "odometry/tracker.hpp"
+#include "simulation/simulator.hpp"
+
+using namespace scanlock;
+
+namespace {
+
+/// A scan as it was tracked, and where the sensor was, in the frame of the first one.
+struct Step {
+  TrackedScan tracked;
+  Pose truth;
+  double metres_off() const { return (tracked.map_from_body.translation() - truth.translation()).norm(); }
+};
+
+/// A drive through rooms with a vlp16; searches are answered at once.
+/// From 14 s on stamps are `clock_step` microseconds off.
+std::vector<Step> drive(double seconds, std::uint64_t seed, const std::vector<const char*>& events,
+                        std::int64_t clock_step = 0) {
+  SimulationConfig config;
+  config.world = WorldKind::kIndoor;
+  config.seconds = seconds;
+  config.seed = seed;
+  for (const char* event : events) config.events.push_back(parse_event(event));
+  Simulator simulator(config);
+  Tracker tracker(TrackerConfig{});
+  PlaceFinder finder;
+  Pose first_from_world = Pose::Identity();
+  std::vector<Step> steps;
+  while (auto simulated = simulator.next()) {
+    if (steps.size() >= 140) simulated->scan.utime += clock_step;
+    if (steps.empty()) first_from_world = simulated->world_from_body.inverse();
+    steps.push_back({tracker.track(simulated->scan), first_from_world * simulated->world_from_body});
+    if (const auto request = tracker.take_request()) tracker.give(finder.find(*request));
+  }
+  return steps;
+}
+
+}  // namespace
+
+TEST_SUITE("long drives") {
+  TEST_CASE("a robot that is carried while scans are missing is not tracked where it was") {
+    for (const std::uint64_t seed : {3005, 3031}) {
+      CAPTURE(seed);
+      const std::vector<Step> steps = drive(17, seed, {"kidnap@14", "dropout@14+0.4"});
+      for (const Step& step : steps)
+        if (step.tracked.state == TrackingState::kTracking) CHECK(step.metres_off() < 0.5);
+      CHECK(steps.back().tracked.state == TrackingState::kTracking);
+      CHECK(steps.back().tracked.epoch == 1);
+    }
+  }
+
+  TEST_CASE("a robot that came back from darkness is not lost again at the next scan") {
+    const std::vector<Step> steps = drive(22, 992, {"blackout@15+2"});
+    CHECK(steps.back().tracked.state == TrackingState::kTracking);
+    CHECK(steps.back().tracked.epoch == 1);
+    CHECK(steps.back().metres_off() < 0.3);
+  }
+
+  TEST_CASE("a clock that steps by half a second costs two scans") {
+    for (const std::uint64_t seed : {11, 12, 13}) {
+      CAPTURE(seed);
+      const std::vector<Step> steps = drive(17, seed, {}, -500000);
+      int rejected = 0;
+      for (std::size_t i = 1; i < steps.size(); ++i) {
+        const TrackedScan& tracked = steps[i].tracked;
+        rejected += tracked.verdict != ScanVerdict::kTracked;
+        if (tracked.verdict != ScanVerdict::kTracked) continue;
+        CHECK(tracked.epoch == 0);
+        CHECK(tracked.method == PoseMethod::kIcp);
+        CHECK(steps[i].metres_off() < 0.2);
+      }
+      CHECK(rejected == 2);
+    }
+  }
+
+  TEST_CASE("missing scans alone are bridged") {
+    const std::vector<Step> steps = drive(17, 3104, {"dropout@12+0.5", "dropout@15+1"});
+    for (std::size_t i = 1; i < steps.size(); ++i) {
+      CHECK(steps[i].tracked.method == PoseMethod::kIcp);
+      CHECK(steps[i].metres_off() < 0.3);
+    }
+  }
+}

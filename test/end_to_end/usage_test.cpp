@@ -1,0 +1,188 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+// What the programs say to a command line or a file that cannot be meant.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "align_samples.hpp"
+#include "io/cloud_file.hpp"
+#include "io/trajectory.hpp"
+#include "process.hpp"
+
+using namespace scanlock::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+using Command = std::vector<std::string>;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+std::string joined(const Command& command) {
+  std::string text;
+  for (const std::string& word : command) text += word + " ";
+  return text;
+}
+
+const char* const kPrograms[] = {"scanlock-align",    "scanlock-convert",  "scanlock-evaluate",
+                                 "scanlock-simulate", "scanlock-odometry", "scanlockd"};
+
+}  // namespace
+
+TEST_CASE("every program tells its help and version on standard output") {
+  const TemporaryFolder folder;
+  for (const std::string program : kPrograms) {
+    for (const std::string flag : {"-h", "--help"}) {
+      const Result help = run(folder, {program, flag});
+      CHECK(help.code == 0);
+      CHECK(help.errors.empty());
+      CHECK(contains(help.output, "Usage: " + program));
+    }
+    for (const std::string flag : {"-V", "--version"}) {
+      const Result version = run(folder, {program, flag});
+      CHECK(version.code == 0);
+      CHECK(version.output.rfind(program + " ", 0) == 0);
+      CHECK(std::count(version.output.begin(), version.output.end(), '\n') == 1);
+    }
+  }
+}
+
+TEST_CASE("wrong usage is exit 2 and one line that names the program and what was probably meant") {
+  const TemporaryFolder folder;
+  struct Wrong {
+    Command command;
+    std::string words;
+  };
+  const Wrong cases[] = {
+      {{"scanlock-align", "a.ply", "b.ply", "--voxl", "0.1"}, "--voxl: unknown flag; did you mean --voxel?"},
+      {{"scanlock-align", "--voxl=0.1"}, "--voxl: unknown flag; did you mean --voxel?"},
+      {{"scanlock-align", "a.ply", "b.ply", "-jsno"}, "-jsno: unknown flag; did you mean --json?"},
+      {{"scanlock-align", "a.ply", "b.ply", "--out", "c.ply"}, "did you mean --output?"},
+      {{"scanlock-align", "a.ply", "b.ply", "--frobnicate"},
+       "--frobnicate: unknown flag; see scanlock-align --help"},
+      {{"scanlock-align", "a.ply"}, "TARGET is required; see scanlock-align --help"},
+      {{"scanlock-align", "a.ply", "b.ply", "--voxel", "-1"}, "--voxel: -1 is no number of 0 or more"},
+      {{"scanlock-align", "a.ply", "b.ply", "--voxel", "nan"}, "--voxel: nan is no number of 0 or more"},
+      {{"scanlock-align", "a.ply", "b.ply", "--epsilon", "0"}, "--epsilon: 0 is no number above 0"},
+      {{"scanlock-align", "a.ply", "b.ply", "--up", "nan,0,1"}, "--up must be finite"},
+      {{"scanlock-align", "a.ply", "b.ply", "c.ply"}, "more than two clouds go with --chain"},
+      {{"scanlock-align", "--correspondences", "m.txt"}, "--epsilon is required"},
+      {{"scanlock-align", "--correspondences", "m.txt", "--epsilon", "1", "--no-prunning"},
+       "did you mean --no-pruning?"},
+      {{"scanlock-convert", "a", "b", "--chanel", "X"}, "--chanel: unknown flag; did you mean --channel?"},
+      {{"scanlock-convert", "a"}, "OUT is missing (or --info)"},
+      {{"scanlock-convert", "a", "b", "c"}, "not expected: c"},
+      {{"scanlock-evaluate", "a", "--algn", "yaw"}, "--algn: unknown flag; did you mean --align?"},
+      {{"scanlock-evaluate", "a", "b", "--align", "foo"}, "foo not in {"},
+      {{"scanlock-simulate", "--wrld", "urban", "a.lcmlog"}, "--wrld: unknown flag; did you mean --world?"},
+      {{"scanlock-simulate", "--world", "moon", "a.lcmlog"}, "unknown world 'moon'"},
+      {{"scanlock-simulate", "--seconds", "0", "a.lcmlog"}, "seconds must be more than 0"},
+      {{"scanlock-odometry", "a.lcmlog", "--thread", "2"}, "--thread: unknown flag; did you mean --threads?"},
+      {{"scanlock-odometry"}, "LOG is required"},
+      {{"scanlockd", "--scan-chanel", "A"}, "--scan-chanel: unknown flag; did you mean --scan-channel?"},
+      {{"scanlockd", "stray"}, "not expected: stray"}};
+  for (const Wrong& wrong : cases) {
+    CAPTURE(joined(wrong.command));
+    const Result result = run(folder, wrong.command);
+    CHECK(result.code == 2);
+    CHECK(result.output.empty());
+    CHECK(result.errors.rfind(wrong.command[0] + ": ", 0) == 0);
+    CHECK(std::count(result.errors.begin(), result.errors.end(), '\n') == 1);
+    CHECK_MESSAGE(contains(result.errors, wrong.words), result.errors);
+  }
+}
+
+TEST_CASE("scripts tell their help and wrong usage without installing or building anything") {
+  const TemporaryFolder folder;
+  const std::string touched = folder / "touched";
+  for (const std::string program : {"apt-get", "dpkg-query", "sudo", "cmake", "ninja"}) {
+    write_file(folder / program, "#!/bin/sh\ntouch " + touched + "\nexit 1\n");
+    fs::permissions(folder / program, fs::perms::owner_all);
+  }
+  const std::string path = "PATH=" + (folder / "") + ":" + std::getenv("PATH");
+  for (const std::string script : {"setup", "demo", "kidnaps", "benchmark"}) {
+    CAPTURE(script);
+    const std::string file = std::string(SCANLOCK_SOURCE_DIR) + "/tools/" + script;
+    for (const std::string flag : {"-h", "--help"}) {
+      const Result help = run(folder, {"env", path, file, flag});
+      CHECK(help.code == 0);
+      CHECK(help.output.rfind("usage: ", 0) == 0);
+      CHECK(help.errors.empty());
+    }
+    const Result wrong = run(folder, {"env", path, file, "--frobnicate"});
+    CHECK(wrong.code == 2);
+    CHECK(wrong.output.empty());
+    CHECK(wrong.errors.rfind(script + ": ", 0) == 0);
+    CHECK(contains(wrong.errors, "--frobnicate"));
+    CHECK(std::count(wrong.errors.begin(), wrong.errors.end(), '\n') == 1);
+    CHECK_FALSE(fs::exists(touched));
+  }
+}
+
+TEST_CASE("a file that cannot be read is exit 1 and one line that names it") {
+  const TemporaryFolder folder;
+  const std::string cloud = folder / "good.ply", tum = folder / "good.tum", log = folder / "good.lcmlog";
+  scanlock::write_cloud(cloud, corner(1));
+  scanlock::write_tum(tum, scanlock::Trajectory(3));
+  REQUIRE(run(folder, {"scanlock-simulate", "--world", "field", "--seconds", "0.3", log}).code == 0);
+  // IN stands for the file. No output must come of it.
+  const std::string out = folder / "out";
+  const std::pair<Command, std::string> cases[] = {
+      {{"scanlock-align", "IN", cloud, "--output", out + ".ply"}, ".ply"},
+      {{"scanlock-align", "IN", cloud, "--method", "icp"}, ".pcd"},
+      {{"scanlock-align", cloud, "IN", "--method", "4dof"}, ".bin"},
+      {{"scanlock-align", cloud, "IN", "--picture", out + ".svg"}, ".xyz"},
+      {{"scanlock-align", cloud, "IN", cloud, "--chain", "--poses", out + ".tum"}, ".ply"},
+      {{"scanlock-align", cloud, cloud, "--init", "IN"}, ".txt"},
+      {{"scanlock-align", cloud, cloud, "--truth", "IN"}, ".txt"},
+      {{"scanlock-align", "--correspondences", "IN", "--epsilon", "0.1"}, ".txt"},
+      {{"scanlock-convert", "IN", "--info"}, ".lcmlog"},
+      {{"scanlock-convert", "IN", "--info", "--json"}, ".lcmlog"},
+      {{"scanlock-convert", "IN", out}, ".lcmlog"},
+      {{"scanlock-convert", "IN", out + ".tum"}, ".lcmlog"},
+      {{"scanlock-convert", "IN", out + ".kitti"}, ".tum"},
+      {{"scanlock-evaluate", "IN", tum, "--html", out + ".html"}, ".tum"},
+      {{"scanlock-evaluate", tum, "IN"}, ".lcmlog"},
+      {{"scanlock-evaluate", tum, "IN:POSES"}, ".lcmlog"},
+      {{"scanlock-odometry", "IN", "--poses", out + ".tum", "--output", out + ".lcmlog", "--map",
+        out + ".ply"},
+       ".lcmlog"},
+      {{"scanlockd", "-l", "file://IN?speed=0", "--out-url", "file://" + out + ".lcmlog?mode=w"}, ".lcmlog"}};
+  for (const auto& [words, extension] : cases) {
+    for (const std::string kind : {"missing", "directory", "empty", "random"}) {
+      const std::string file = folder / (kind + extension);
+      fs::remove_all(file);
+      if (kind == "directory") fs::create_directory(file);
+      if (kind == "empty") write_file(file, "");
+      if (kind == "random") {
+        std::mt19937 random(7);
+        std::string bytes(4999, ' ');
+        for (char& byte : bytes) byte = static_cast<char>(random());
+        write_file(file, bytes);
+      }
+      Command command = words;
+      for (std::string& word : command) {
+        const std::size_t at = word.find("IN");
+        if (at != std::string::npos) word.replace(at, 2, file);
+      }
+      CAPTURE(joined(command));
+      const Result result = run(folder, command);
+      CHECK(result.code == 1);
+      CHECK(result.output.empty());
+      CHECK_MESSAGE(result.errors.rfind(command[0] + ": " + file, 0) == 0, result.errors);
+      CHECK_MESSAGE(std::count(result.errors.begin(), result.errors.end(), '\n') == 1, result.errors);
+      CHECK(std::none_of(result.errors.begin(), result.errors.end() - 1,
+                         [](char c) { return static_cast<unsigned char>(c) < 0x20; }));
+      for (const std::string end : {"", ".ply", ".svg", ".tum", ".kitti", ".html", ".lcmlog"})
+        CHECK_FALSE(fs::exists(out + end));
+    }
+  }
+}

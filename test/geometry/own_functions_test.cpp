@@ -1,0 +1,58 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+// What poses and messages depend on takes no function of the C library that may round in another way
+// elsewhere.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// All rooms but `evaluation`, whose pictures may differ in the last digit.
+const std::vector<std::string> kRooms = {"geometry", "search",   "icp", "global", "odometry",
+                                         "mapping",  "messages", "io",  "daemon", "simulation"};
+
+// Eigen's take std::sin and its like; the standard's distributions differ between libraries.
+const std::regex kForeign(
+    R"(std::(a?(sin|cos|tan)h?|atan2|exp|exp2|expm1|log|log2|log10|log1p|pow|hypot|cbrt|erfc?|[lt]gamma|fma)f?l?\()"
+    R"(|\bAngleAxis|\bRotation2D|computeDirect|angularDistance|\.slerp\(|\.eulerAngles\(|\.canonicalEulerAngles\()"
+    R"(|\blong double\b|\w_distribution<)");
+// Without the header these names are the C library's.
+const std::regex kOwn(
+    R"((^|[^\w.:>])(exp|expm1|exp2|log|log1p|log2|sin|cos|sincos|asin|acos|atan2|hypot)\()");
+const std::string kHeader = "#include \"geometry/elementary.hpp\"";
+
+}  // namespace
+
+TEST_CASE("poses and messages take their elementary functions from geometry/elementary.hpp") {
+  int files = 0;
+  for (const std::string& room : kRooms) {
+    const fs::path folder = fs::path(SCANLOCK_SOURCE_DIR) / "src" / room;
+    if (!fs::exists(folder)) continue;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+      const std::string name = entry.path().stem();
+      if (name == "elementary" || name == "elementary_angles") continue;
+      ++files;
+      std::ifstream file(entry.path());
+      bool has_header = false;
+      int number = 0;
+      for (std::string line; std::getline(file, line);) {
+        ++number;
+        CAPTURE(entry.path().string());
+        CAPTURE(number);
+        if (line.find(kHeader) == 0) has_header = true;
+        const std::string code = line.substr(0, line.find("//"));
+        if (code.find('(') == std::string::npos && code.find('<') == std::string::npos) continue;
+        CHECK_FALSE(std::regex_search(code, kForeign));
+        if (!has_header) CHECK_FALSE(std::regex_search(code, kOwn));
+      }
+    }
+  }
+  CHECK(files > 200);
+}

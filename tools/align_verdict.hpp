@@ -1,0 +1,63 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+// Which answers of scanlock-align are worth exit 0.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <map>
+#include <string>
+
+#include "align_report.hpp"
+#include "global/cloud_registration.hpp"
+#include "icp/cloud_alignment.hpp"
+
+namespace scanlock {
+
+/// Each takes what the one before it takes.
+enum class Acceptance { kCertain, kAmbiguous, kAny };
+
+inline void add_accept_option(CLI::App& app, Acceptance& accept, const std::string& description) {
+  static const std::map<std::string, Acceptance> names = {
+      {"certain", Acceptance::kCertain}, {"ambiguous", Acceptance::kAmbiguous}, {"any", Acceptance::kAny}};
+  app.add_option_function<std::string>(
+         "--accept", [&accept](const std::string& name) { accept = names.at(name); }, description)
+      ->check(CLI::IsMember(&names));
+}
+
+/// What an answer is worth, and why, in words.
+struct AlignVerdict {
+  Acceptance least = Acceptance::kCertain;  ///< that takes it
+  std::string why;
+};
+
+inline AlignVerdict verdict_of(const CloudRegistration& found) {
+  const std::string why = std::string("the verdict is ") + verdict_name(found.verdict) + ": " + found.why;
+  if (found.verdict == GlobalVerdict::kCertain) return {};
+  return {found.verdict == GlobalVerdict::kAmbiguous ? Acceptance::kAmbiguous : Acceptance::kAny, why};
+}
+
+inline AlignVerdict verdict_of(const CloudAlignment& found) {
+  std::string axes;
+  for (const Json& name : axis_names(found.degenerate_axes))
+    axes += (axes.empty() ? "" : ", ") + name.get<std::string>();
+  if (!axes.empty())
+    return {Acceptance::kAmbiguous, "the alignment is degenerate: the clouds leave " + axes + " open"};
+  if (found.stop_reason == "degenerate")
+    return {Acceptance::kAmbiguous,
+            "the alignment is degenerate: the inlier ratio is " + std::to_string(found.inlier_ratio)};
+  if (found.stop_reason == "iterations")
+    return {Acceptance::kAny,
+            "the alignment did not converge in " + std::to_string(found.iterations) + " iterations"};
+  return {};
+}
+
+/// The exit code; what is not accepted is said in one sentence on standard error.
+inline int judge(const AlignVerdict& verdict, Acceptance accept) {
+  if (verdict.least <= accept) return 0;
+  std::cerr << "scanlock-align: " << verdict.why << "; --accept "
+            << (verdict.least == Acceptance::kAny ? "any" : "ambiguous") << " takes it\n";
+  return 1;
+}
+
+}  // namespace scanlock
