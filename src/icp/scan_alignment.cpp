@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/elementary.hpp"
 #include "icp/correspondences.hpp"
 #include "icp/descent.hpp"
 #include "icp/scan_motion.hpp"
@@ -111,13 +112,13 @@ struct ScanAligner::Workspace final : DescentProblem {
     }
     const Vector12 e = prior_error();
     return static_cast<double>(source->size()) - explained +
-           prior_weight() * 0.5 * e.dot(prior->information * e);
+           prior_share() * prior_cost(e.dot(prior->information * e));
   }
 
   /// Of the prior against a weight of 1 a source point. It does not change with nu: at the upper scales
   /// residuals are not noise but misalignment, and a direction that the scene hardly fixes would slide before
   /// the others have settled.
-  double prior_weight() const {
+  double prior_share() const {
     return options->sigma * options->sigma / (options->nu_min * options->nu_min);
   }
 
@@ -196,12 +197,13 @@ struct ScanAligner::Workspace final : DescentProblem {
     Matrix12 hessian;
     Vector12 gradient;
     linearise(true, &hessian, &gradient);
-    const double scale = prior_weight() * nu * nu;
+    const Vector12 e = prior_error();
+    const double scale = prior_share() * nu * nu * prior_weight(e.dot(prior->information * e));
     // d moves x by J_l(x)^-1 d to first order.
     Matrix12 to_error = Matrix12::Identity();
     to_error.topLeftCorner<6, 6>() = inverse(se3_left_jacobian(x));
     hessian += scale * to_error.transpose() * prior->information * to_error;
-    gradient += scale * to_error.transpose() * (prior->information * prior_error());
+    gradient += scale * to_error.transpose() * (prior->information * e);
     const Vector12 step = -solve(hessian, gradient);
     StateVector state(12);
     state << se3_log(se3_exp(step.head<6>()) * se3_exp(x)),
@@ -235,6 +237,14 @@ struct ScanAligner::Workspace final : DescentProblem {
     return *middle;
   }
 };
+
+double prior_weight(double squared_error) {
+  return (kPriorFreedom + 12.0) / (kPriorFreedom + squared_error);
+}
+
+double prior_cost(double squared_error) {
+  return 0.5 * (kPriorFreedom + 12.0) * log1p(squared_error / kPriorFreedom);
+}
 
 ScanAligner::ScanAligner() : workspace_(std::make_unique<Workspace>()) {}
 ScanAligner::~ScanAligner() = default;

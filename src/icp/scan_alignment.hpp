@@ -22,11 +22,22 @@ struct MovingPose {
 };
 
 /// What is known before the scan is looked at. The error of a moving pose against it is
-/// e = [log(mean.pose^-1 pose); twist - mean.twist], and its cost e^T information e / 2.
+/// e = [log(mean.pose^-1 pose); twist - mean.twist]. A body moves smoothly most of the time and abruptly now and
+/// then, so that e has a multivariate Student t distribution with kPriorFreedom degrees of freedom: what follows
+/// the prediction is held by it, what contradicts it is let go.
 struct MotionPrior {
   MovingPose mean;
-  Matrix12 information = Matrix12::Zero();  ///< positive definite
+  Matrix12 information = Matrix12::Zero();  ///< inverse of the scale matrix; positive definite
 };
+
+inline constexpr double kPriorFreedom = 4;
+
+/// Weight of the prior in iteratively reweighted least squares, at s = e^T information e: (f + 12) / (f + s). One
+/// where the error is what the information says.
+double prior_weight(double squared_error);
+
+/// The negative log-likelihood of the prior at s, but for a constant: (f + 12) / 2 log(1 + s / f).
+double prior_cost(double squared_error);
 
 /// What a scan is aligned with: points in a frame near the sensor, their tree, and their surfaces.
 struct AlignmentTarget {
@@ -63,8 +74,8 @@ struct ScanAlignment {
 
 /// Robust point-to-plane ICP (algorithm 2) with two extensions: the unknown is the pose at the stamp *and*
 /// the velocity, so that the motion within the scan is solved and not only predicted, and a Gaussian prior
-/// joins them to the past. The energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2) e^T
-/// information e / 2, with s_i the weight of the surface (0 where there is none), r_i the distance to it.
+/// joins them to the past. The energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2) prior_cost(e^T
+/// information e), with s_i the weight of the surface (0 where there is none), r_i the distance to it.
 class ScanAligner {
  public:
   ScanAligner();

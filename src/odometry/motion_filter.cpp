@@ -70,7 +70,8 @@ MotionPrior MotionFilter::predict(double dt, const Pose& motion) const {
 
 void MotionFilter::update(const MotionPrior& prior, const ScanAlignment& alignment, double variance) {
   state_ = {renormalised(alignment.moving.pose), alignment.moving.twist};
-  covariance_ = inverse(Matrix12(prior.information + alignment.information / variance));
+  const double weight = prior_weight(squared_gap(prior, alignment.moving));
+  covariance_ = inverse(Matrix12(weight * prior.information + alignment.information / variance));
 }
 
 void MotionFilter::coast(const MotionPrior& prior) {
