@@ -31,11 +31,6 @@ Eigen::Matrix3d inverse(const Eigen::Matrix3d& block) {
 struct Direction {
   Vector6 motion;       ///< unit in its own three; with it what the other three do that give way to it
   double known, noise;  ///< information along it and the part that noise makes, over the trace of its block
-  /// 0: not told from noise, to 1.
-  double seen() const {
-    return std::clamp((known - kNothing - kNoise * noise) / (kNothing + (kSignal - kNoise) * noise), 0.0,
-                      1.0);
-  }
 };
 
 /// `first`: 0 for translations, 3 for rotations. The least known comes first.
@@ -82,14 +77,6 @@ Degeneracy find_degeneracy(const Matrix6& information, const Matrix6& noise) {
       examine(directions_of(information, noise, 0), kWeakTranslation, 0, &result.axes);
   result.weakest_rotation = examine(directions_of(information, noise, 3), kWeakRotation, 3, &result.axes);
   return result;
-}
-
-Matrix6 observed_motion(const Matrix6& information, const Matrix6& noise) {
-  Matrix6 observed = Matrix6::Identity();
-  for (const Direction& direction : directions_of(information, noise, 0))
-    observed.leftCols<3>() -=
-        (1.0 - direction.seen()) * direction.motion * direction.motion.head<3>().transpose();
-  return observed;
 }
 
 }  // namespace scanlock

@@ -23,10 +23,4 @@ struct Degeneracy {
 /// more than that is not observed, however large it is.
 Degeneracy find_degeneracy(const Matrix6& information, const Matrix6& noise = Matrix6::Zero());
 
-/// Takes from a motion what the scene leaves open: M x is x without the translations along which it slides
-/// freely, the rotations that go with them included. Identity where all are observed; in between a share, for
-/// a threshold would make the motion jump. (Solution remapping, Zhang, Kaess, Singh: On degeneracy of
-/// optimization-based state estimation problems.) Of rotations nothing is taken.
-Matrix6 observed_motion(const Matrix6& information, const Matrix6& noise);
-
 }  // namespace scanlock

@@ -118,9 +118,7 @@ struct ScanAligner::Workspace final : DescentProblem {
   /// Of the prior against a weight of 1 a source point. It does not change with nu: at the upper scales
   /// residuals are not noise but misalignment, and a direction that the scene hardly fixes would slide before
   /// the others have settled.
-  double prior_share() const {
-    return options->sigma * options->sigma / (options->nu_min * options->nu_min);
-  }
+  double prior_share() const { return options->sigma * options->sigma / (options->nu_min * options->nu_min); }
 
   Vector12 prior_error() const {
     Vector12 e;
@@ -259,7 +257,8 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
   work.nu = options.nu_max;
   work.evaluate(x);
   // Section 5: the first scale is three times the median residual at the start.
-  work.nu = std::clamp(3.0 * work.median_absolute_residual(), options.nu_min, options.nu_max);
+  work.nu = std::clamp(std::max(3.0 * work.median_absolute_residual(), options.nu_first), options.nu_min,
+                       options.nu_max);
 
   ScanAlignment result;
   result.evaluations = 1;

@@ -22,18 +22,19 @@ struct MovingPose {
 };
 
 /// What is known before the scan is looked at. The error of a moving pose against it is
-/// e = [log(mean.pose^-1 pose); twist - mean.twist]. A body moves smoothly most of the time and abruptly now and
-/// then, so that e has a multivariate Student t distribution with kPriorFreedom degrees of freedom: what follows
-/// the prediction is held by it, what contradicts it is let go.
+/// e = [log(mean.pose^-1 pose); twist - mean.twist]. A body moves smoothly most of the time and abruptly now
+/// and then, so that e has a multivariate Student t distribution with kPriorFreedom degrees of freedom: what
+/// follows the prediction is held by it, what contradicts it is let go.
 struct MotionPrior {
   MovingPose mean;
   Matrix12 information = Matrix12::Zero();  ///< inverse of the scale matrix; positive definite
+  double ahead_s = 0;                       ///< seconds since the state that it was predicted from
 };
 
 inline constexpr double kPriorFreedom = 4;
 
-/// Weight of the prior in iteratively reweighted least squares, at s = e^T information e: (f + 12) / (f + s). One
-/// where the error is what the information says.
+/// Weight of the prior in iteratively reweighted least squares, at s = e^T information e: (f + 12) / (f + s).
+/// One where the error is what the information says.
 double prior_weight(double squared_error);
 
 /// The negative log-likelihood of the prior at s, but for a constant: (f + 12) / 2 log(1 + s / f).
@@ -48,6 +49,7 @@ struct AlignmentTarget {
 
 struct ScanAlignmentOptions {
   double nu_min = 0.05;  ///< metres, the last scale of the Welsch kernel
+  double nu_first = 0;   ///< metres, a lower bound of the first scale
   double nu_max =
       1.0;  ///< metres, an upper bound of the first scale, which is three times the median residual
   double gate_margin =
@@ -74,8 +76,9 @@ struct ScanAlignment {
 
 /// Robust point-to-plane ICP (algorithm 2) with two extensions: the unknown is the pose at the stamp *and*
 /// the velocity, so that the motion within the scan is solved and not only predicted, and a Gaussian prior
-/// joins them to the past. The energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2) prior_cost(e^T
-/// information e), with s_i the weight of the surface (0 where there is none), r_i the distance to it.
+/// joins them to the past. The energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2)
+/// prior_cost(e^T information e), with s_i the weight of the surface (0 where there is none), r_i the
+/// distance to it.
 class ScanAligner {
  public:
   ScanAligner();

@@ -24,7 +24,7 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
   Attempt attempt = odometer_.awaits_second()
                         ? odometer_.align(part_of(scan, kDeskewPoints), prior, Reach::kNear)
                         : odometer_.align(scan, prior, Reach::kNear);
-  attempt = odometer_.deskew_first(scan, dt, std::move(attempt));
+  attempt = odometer_.deskew_first(scan, dt, std::move(attempt), false);
   if (!explains(attempt, kJumpScore)) {
     attempt = better(std::move(attempt), odometer_.probe(scan, loosened(prior), Reach::kFar));
   }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "odometry/motion_filter.hpp"
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -18,6 +20,7 @@ MotionFilter::MotionFilter(double acceleration, double angular_acceleration)
 
 void MotionFilter::start(const MovingPose& guess) {
   state_ = guess;
+  mean_twist_ = guess.twist;
   Eigen::Matrix<double, 12, 1> sigma;
   sigma.head<6>().setConstant(kPoseFloor);
   sigma.segment<3>(6).setConstant(kStartSpeed);
@@ -38,13 +41,23 @@ void MotionFilter::set_planar(bool planar) {
 
 MotionPrior MotionFilter::predict(double dt) const {
   MotionPrior prior;
-  const Vector6 step = dt * state_.twist;
+  prior.ahead_s = dt;
+  Vector6 kept = Vector6::Ones();        // of a velocity's deviation from its mean, at the end,
+  Vector6 time = Vector6::Constant(dt);  // and the seconds at the velocity of now that the way there is worth
+  for (const int axis : {2, 3, 4}) {
+    kept[axis] = exp(-dt / kReturn);
+    time[axis] = kReturn * (1 - kept[axis]);
+  }
+  const Vector6 deviation = state_.twist - mean_twist_;
+  const Vector6 step = dt * mean_twist_ + time.cwiseProduct(deviation);
   prior.mean.pose = renormalised(state_.pose * se3_exp(step));
-  prior.mean.twist = state_.twist;
+  prior.mean.twist = mean_twist_ + kept.cwiseProduct(deviation);
 
   Matrix12 transition = Matrix12::Identity();
   transition.topLeftCorner<6, 6>() = adjoint(se3_exp(-step));
-  transition.topRightCorner<6, 6>() = dt * se3_left_jacobian(-step);  // the right Jacobian at step
+  // se3_left_jacobian(-step) is the right Jacobian at step.
+  transition.topRightCorner<6, 6>() = se3_left_jacobian(-step) * time.asDiagonal();
+  transition.bottomRightCorner<6, 6>() = kept.asDiagonal();
   Vector6 density;
   density << Eigen::Vector3d::Constant(linear_density_), Eigen::Vector3d::Constant(angular_density_);
   if (planar_) density.segment<3>(2).setZero();
@@ -70,6 +83,7 @@ MotionPrior MotionFilter::predict(double dt, const Pose& motion) const {
 
 void MotionFilter::update(const MotionPrior& prior, const ScanAlignment& alignment, double variance) {
   state_ = {renormalised(alignment.moving.pose), alignment.moving.twist};
+  mean_twist_ += (1 - exp(-prior.ahead_s / kMeanOver)) * (state_.twist - mean_twist_);
   const double weight = prior_weight(squared_gap(prior, alignment.moving));
   covariance_ = inverse(Matrix12(weight * prior.information + alignment.information / variance));
 }
@@ -96,7 +110,7 @@ double squared_gap(const MotionPrior& prior, const MovingPose& moving) {
 }
 
 MotionPrior loosened(MotionPrior prior) {
-  prior.information *= 0.01;
+  prior.information *= kLoose;
   return prior;
 }
 

@@ -6,9 +6,11 @@
 
 namespace scanlock {
 
-/// The motion between scans: constant body velocity, disturbed by white noise on the acceleration. It gives
-/// each scan its prior over the *real* time since the last one, so that a gap in the data is bridged and not
-/// skipped.
+/// The motion between scans: body velocity, disturbed by white noise on the acceleration. Speed, drift and
+/// turn rate go on; what hands, legs and springs do, along z and about x and y, comes back to its mean of the
+/// last few seconds (an Ornstein-Uhlenbeck process), so that a direction that a scene hardly holds does not
+/// coast. It gives each scan its prior over the *real* time since the last one, so that a gap in the data is
+/// bridged and not skipped.
 class MotionFilter {
  public:
   /// Accelerations that the robot may well reach, m/s^2 and rad/s^2; one that lasts `kManoeuvre` seconds is
@@ -38,10 +40,15 @@ class MotionFilter {
   const Matrix12& covariance() const { return covariance_; }
 
  private:
-  static constexpr double kManoeuvre = 0.3;
+  static constexpr double kManoeuvre = 0.3;  // seconds
+  /// Seconds in which a velocity along z, about x or y is back at its mean but for 1/e: steps and springs
+  /// swing at 1 to 2 Hz. And those over which the mean is taken: longer than a step, shorter than a ramp or a
+  /// climb.
+  static constexpr double kReturn = 0.3, kMeanOver = 3.0;
   double linear_density_,
       angular_density_;  ///< power spectral densities of the white noise, m^2/s^3 and rad^2/s^3
   MovingPose state_;
+  Vector6 mean_twist_ = Vector6::Zero();  ///< over the last kMeanOver seconds
   bool planar_ = false;
   Matrix12 covariance_ = Matrix12::Identity();
 };
@@ -53,6 +60,7 @@ Matrix12 prior_information(double metres, double radians, const Matrix12& covari
 double squared_gap(const MotionPrior& prior, const MovingPose& moving);
 
 /// The same prior, believed a hundredth as much: for another try where it did not explain the scan.
+inline constexpr double kLoose = 0.01;
 MotionPrior loosened(MotionPrior prior);
 
 }  // namespace scanlock

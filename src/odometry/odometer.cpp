@@ -21,37 +21,17 @@ constexpr double kVarianceInflation = 10;
 constexpr double kReach = 0.04;
 constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is better
 constexpr double kFirstSigma = 0.03;
+/// Where a prediction may be off by much, alignment begins at this many times that reach: most points lie on
+/// the ground, where they fit anyhow, and their median residual says nothing of the walls that tell.
+constexpr double kFarScale = 3, kFarthestScale = 6;
+constexpr int kFarIterations = 36;
 constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on Gaussian residuals
-
-constexpr int kDeskewRounds = 3;
-// A wrong velocity bends the first scan by half of its error, on average over the sweep, and the way to the
-// second one is wrong by the other half.
-constexpr double kBendShare = 2;
-constexpr double kClearlyLess = 0.9;  // of the cost
-constexpr double kAtRest = 0.3;       // voxels that a robot at rest seems to move between two scans
-
-constexpr std::size_t kFewKeyframes = 8;  // make a map that is open for want of points
 
 constexpr double kLeastShare = 0.3;
 constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history says
 constexpr double kMostAtFirst = 0.7;  // a map of few scans is thin
 constexpr double kUsualShare = 0.8;
-
-/// Along what a scene leaves open the motion goes on as it was: the surfaces of a tunnel are seen where the
-/// robot was before, so that an alignment holds it back a little in each scan.
-ScanAlignment observed_part(ScanAlignment alignment, const MotionPrior& prior) {
-  const Matrix6 observed = observed_motion(alignment.information.topLeftCorner<6, 6>(), alignment.noise);
-  if (observed == Matrix6::Identity()) return alignment;
-  MovingPose& moving = alignment.moving;
-  const MovingPose& predicted = prior.mean;
-  moving.pose = predicted.pose * se3_exp(observed * se3_log(predicted.pose.inverse() * moving.pose));
-  moving.twist = predicted.twist + observed * (moving.twist - predicted.twist);
-  Matrix12 both = Matrix12::Zero();
-  both.topLeftCorner<6, 6>() = both.bottomRightCorner<6, 6>() = observed;
-  alignment.information = both.transpose() * alignment.information * both;
-  return alignment;
-}
 
 }  // namespace
 
@@ -115,10 +95,14 @@ void Odometer::take_usual_from(const Odometer& other) {
 }
 
 ScanAlignmentOptions Odometer::options(double reach_m, Reach reach) const {
-  const bool far = reach == Reach::kFar;
+  const bool far = reach != Reach::kNear;
   ScanAlignmentOptions result;
   result.nu_min = kKernel * sigma_;
   result.nu_max = (far ? 20.0 : 8.0) * reach_m;
+  if (reach != Reach::kNear) {
+    result.nu_first = (reach == Reach::kFar ? kFarScale : kFarthestScale) * reach_m;
+    result.max_iterations = kFarIterations;
+  }
   result.gate_margin = (far ? 3.0 : 1.5) * reach_m;
   result.sigma = sigma_ * std::sqrt(inflation());
   result.threads = config_.threads;
@@ -149,68 +133,6 @@ Attempt Odometer::probe(const PreparedScan& scan, const MotionPrior& prior, Reac
   return whole;
 }
 
-Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt attempt) {
-  if (!awaits_second()) return attempt;
-  PreparedScan again;
-  again.fine = std::move(first_.points);
-  again.voxel = scan.voxel;
-  first_.points = {};
-  const Pose pose = last_keyframe_pose_;
-  const auto [earliest, latest] = std::minmax_element(again.fine.time.begin(), again.fine.time.end());
-  const double sweep = static_cast<double>(*latest) - *earliest;
-  // A wrong velocity bends both scans alike, so that they fit each other still. The way from one stamp to the
-  // next tells better, if the one scan ends about where the other begins.
-  const bool gapless = sweep > 0.5 * dt && dt > 0.5 * sweep;
-  const auto moving_at = [&](const Vector6& twist) -> MovingPose {
-    return {renormalised(pose * se3_exp(dt * twist)), twist};
-  };
-  const auto velocity = [&](const Attempt& a) -> Vector6 {
-    return se3_log(pose.inverse() * a.alignment.moving.pose) / dt;
-  };
-  const auto start_and_align = [&](const MovingPose& second, const PreparedScan& points,
-                                   const MotionPrior& prior) {
-    map_.clear();
-    insert(first_.utime, again, {pose, second.twist});
-    MotionPrior there = loosened(prior);
-    there.mean = second;
-    Attempt result = align(points, there, Reach::kNear);
-    result.prior = prior;
-    return result;
-  };
-  struct Guess {
-    MovingPose second;
-    double cost = std::numeric_limits<double>::infinity();
-    MotionPrior prior;
-  };
-  const PreparedScan part = part_of(scan, kDeskewPoints);  // will do for the way there
-  const auto settle = [&](const Attempt& begin) {
-    Guess best;
-    MovingPose second = gapless ? moving_at(velocity(begin)) : begin.alignment.moving;
-    for (int round = 0; round < kDeskewRounds; ++round) {
-      const Attempt aligned = start_and_align(second, part, begin.prior);
-      if (aligned.cost() < best.cost) best = {second, aligned.cost(), begin.prior};
-      const Vector6 wrong = second.twist - velocity(aligned);
-      second = gapless ? moving_at(second.twist - kBendShare * wrong) : aligned.alignment.moving;
-    }
-    return best;
-  };
-  Guess best = settle(attempt);
-  // A predicted velocity that is far off holds it: once more as if nothing was known of it.
-  MotionPrior standing = loosened(attempt.prior);
-  standing.mean = {pose, Vector6::Zero()};
-  map_.clear();
-  insert(first_.utime, again, standing.mean);
-  const Attempt rested = align(part, standing, Reach::kFar);
-  Guess rest{standing.mean, std::numeric_limits<double>::infinity(), attempt.prior};
-  const Vector6 shift = dt * velocity(rested);
-  const double moved = shift.head<3>().norm() + scan.median_range * shift.tail<3>().norm();
-  if (moved < kAtRest * scan.voxel) rest.cost = align(part, standing, Reach::kNear).cost();
-  const Guess other = settle(rested);
-  if (other.cost < kClearlyLess * best.cost) best = other;
-  if (rest.cost < best.cost) best = rest;
-  return start_and_align(best.second, scan, best.prior);
-}
-
 double Odometer::inflation() const {
   return kVarianceInflation / (share_ * share_ * share_);
 }
@@ -219,10 +141,8 @@ void Odometer::accept(const Attempt& attempt) {
   share_ += 0.3 * (std::max(attempt.health.share, kLeastShare) - share_);
   const double seen = std::max(1.4826 * attempt.alignment.median_residual, kLeastSigma);
   sigma_ += 0.1 * (std::min(seen, 2.0 * sigma_) - sigma_);
-  filter_.update(attempt.prior,
-                 map_.keyframes().size() < kFewKeyframes ? attempt.alignment
-                                                         : observed_part(attempt.alignment, attempt.prior),
-                 sigma_ * sigma_ * inflation());
+  const double variance = sigma_ * sigma_ * inflation();
+  filter_.update(attempt.prior, attempt.alignment, variance);
   health_.remember(attempt.health);
 }
 

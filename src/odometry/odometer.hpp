@@ -29,8 +29,8 @@ inline constexpr double kCoastSeconds = 3.0;
 // Points of a scan that tell whether it fits at all, and how the robot moved.
 inline constexpr std::size_t kLookPoints = 400, kDeskewPoints = 800;
 
-/// How far an alignment looks for its surfaces: far where the prediction may be off.
-enum class Reach : std::int8_t { kNear, kFar };
+/// How far an alignment looks for its surfaces: far where the prediction may be off, farther where that did not help.
+enum class Reach : std::int8_t { kNear, kFar, kFarthest };
 
 /// One alignment of a scan with the map, and what it is worth.
 struct Attempt {
@@ -78,8 +78,9 @@ class Odometer {
   /// Whether the next scan is that second one, for which an attempt with kDeskewPoints will do.
   bool awaits_second() const { return !first_.points.empty(); }
   /// Aligns with the first scan, after that one's own motion was taken out: possible only once a second one
-  /// shows the velocity, `dt` seconds later. Other attempts come back as they are.
-  Attempt deskew_first(const PreparedScan& scan, double dt, Attempt attempt);
+  /// shows the velocity, `dt` seconds later. Other attempts come back as they are. `any_speed`: of a vehicle;
+  /// else near the one predicted, or none.
+  Attempt deskew_first(const PreparedScan& scan, double dt, Attempt attempt, bool any_speed);
 
   /// The state becomes the outcome, and its energy part of what is usual.
   void accept(const Attempt& attempt);

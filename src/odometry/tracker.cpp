@@ -20,9 +20,7 @@ namespace {
 
 constexpr double kMicro = 1e-6;
 
-constexpr double kNewGroundShare = 0.6, kFitScore = 3.0;
-// A map of a few scans loses sight of much from one scan to the next.
-constexpr double kYoungShare = 0.8, kSuddenShare = 0.87, kWaryShare = 0.92, kSuddenRise = 0.5;
+constexpr double kFitScore = 3.0;
 constexpr double kMoment = 0.35;  // seconds
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
@@ -150,6 +148,7 @@ struct Tracker::State {
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);
     Attempt far = odometer.align(part, loose, Reach::kFar);
+    if (far.health.score > kFitScore) far = better(std::move(far), odometer.align(part, loose, Reach::kFarthest));
     const bool moved =
         !near(prior.mean.pose, last_trusted.map_from_body, kWithinReach * scan.median_range, kWithinTurn);
     if (moved && !explains(far, kJumpScore)) {
@@ -184,25 +183,9 @@ struct Tracker::State {
     return near(found, predicted, 0.1 + 2.0 * metres, 2.0 * kDegree + 2.0 * radians);
   }
 
-  /// A sensor that looks all around does not see new ground on all sides at once, nor much of it within the
-  /// time between two scans: a place that looks alike explains a part of a scan, too.
-  bool elsewhere(const PreparedScan& scan, const Attempt& attempt) const {
-    const Health& health = attempt.health;
-    const bool little = health.score > kFitScore && health.share < kNewGroundShare * health.usual_share;
-    // What made the last scan suspicious is not explained by one that fits a little better.
-    const bool wary = distrusted_scans > 0 || gap(attempt) > kUnusualGap;
-    const bool suspicious = wary || health.rise > kSuddenRise;
-    const double least = !health.grown ? kYoungShare : wary ? kWaryShare : kSuddenShare;
-    const bool at_once = unseen_s() < kMoment || looks_alike;
-    const bool sudden = at_once && suspicious && health.share < least * health.last_share;
-    // What comes into view where nothing was seen before is no surprise.
-    return (little || (sudden && last_trusted.looked_around)) && looks_around(scan.source);
-  }
-
-  bool trusted(const PreparedScan& scan, const Attempt& attempt) const {
+  bool trusted(const Attempt& attempt) const {
     const bool wary = distrusted_scans > 0 && state != TrackingState::kInitialising;
-    return explains(attempt, wary ? kCalmScore : kJumpScore) && plausible(attempt) &&
-           !elsewhere(scan, attempt);
+    return explains(attempt, wary ? kCalmScore : kJumpScore) && plausible(attempt);
   }
 
   /// Another place explains a scan about as well at times, but does not look the same in every direction from
@@ -213,21 +196,21 @@ struct Tracker::State {
   bool only_looks_alike(const PreparedScan& scan, const Attempt& attempt) const {
     const bool after_gap = unseen_s() > kMoment;
     const double most = after_gap ? kMostContradictionAfterGap : kMostContradiction;
-    const bool strange =
-        after_gap || looks_alike || gap(attempt) > kStrayGap || attempt.health.score > kCalmScore;
+    const bool strange = after_gap || looks_alike || gap(attempt) > kStrayGap ||
+                         attempt.health.score > kCalmScore || !usual_share(attempt.health);
     return strange && !attempt.health.young &&
            contradiction(last_trusted, now, scan, attempt.alignment.moving) > most;
   }
 
   void track_on(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
     MotionPrior prior = predict();
-    Attempt attempt = odometer.deskew_first(scan, dt, align_or_retry(scan, prior));
-    if (hints.motion && !trusted(scan, attempt)) {  // what others say is asked where the scans do not suffice
+    Attempt attempt = odometer.deskew_first(scan, dt, align_or_retry(scan, prior), true);
+    if (hints.motion && !trusted(attempt)) {  // what others say is asked where the scans do not suffice
       prior = predict(hints);
       Attempt hinted = odometer.align(scan, prior, Reach::kNear);
-      if (trusted(scan, hinted)) attempt = std::move(hinted);
+      if (trusted(hinted)) attempt = std::move(hinted);
     }
-    const bool fits = trusted(scan, attempt);
+    const bool fits = trusted(attempt);
     const bool alike = fits && only_looks_alike(scan, attempt);
     finished(Stage::kAlign);
     if (fits && !alike) {

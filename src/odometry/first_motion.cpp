@@ -1,0 +1,95 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+// How a robot moves when it is first seen: Odometer::deskew_first.
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "odometry/odometer.hpp"
+
+namespace scanlock {
+namespace {
+
+// Speeds (m/s) along its x axis that a vehicle may have when it is first seen; ICP finds what is between
+// them.
+constexpr double kSpeeds[] = {0, -5, 5, -10, 10, -15, 15, -20, 20, -25, 25, -30, 30};
+constexpr int kRounds = 3;
+constexpr double kSame = 0.2;  // voxels, by which the same points move from one scan to the next
+/// What a point without a surface costs, of what one far off its surface does: a moving robot sees new
+/// ground.
+constexpr double kUnmatched = 0.3;
+constexpr double kHardly = 1e-4;  // of the prior's information: neither pose nor velocity is known
+
+double score(const Health& health) {
+  return health.overlap * health.energy + kUnmatched * (1 - health.overlap);
+}
+
+}  // namespace
+
+/// A velocity bends the first scan and predicts the second one. It is right where the alignment of the two
+/// gives it back; from elsewhere it moves towards such a fixed point. Where a scene has several, the one that
+/// leaves least unexplained is taken: standing is one of them.
+Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt attempt, bool any_speed) {
+  if (!awaits_second()) return attempt;
+  PreparedScan first;
+  first.fine = std::move(first_.points);
+  first.voxel = scan.voxel;
+  first_.points = {};
+  const Pose pose = last_keyframe_pose_;
+  const auto [earliest, latest] = std::minmax_element(first.fine.time.begin(), first.fine.time.end());
+  const double sweep = static_cast<double>(*latest) - *earliest;
+  // A wrong velocity bends both scans alike, so that they fit each other still. The way from one stamp to the
+  // next tells better, if the one scan ends about where the other begins.
+  const bool gapless = sweep > 0.5 * dt && dt > 0.5 * sweep;
+  const auto moving_at = [&](const Vector6& twist) -> MovingPose {
+    return {renormalised(pose * se3_exp(dt * twist)), twist};
+  };
+  const auto found_by = [&](const Attempt& a) -> MovingPose {
+    return gapless ? moving_at(se3_log(pose.inverse() * a.alignment.moving.pose) / dt) : a.alignment.moving;
+  };
+  const auto align_from = [&](const MovingPose& second, const PreparedScan& points, double belief) {
+    map_.clear();
+    insert(first_.utime, first, {pose, second.twist});
+    MotionPrior there = attempt.prior;
+    there.mean = second;
+    there.information *= belief;
+    return align(points, there, Reach::kNear);
+  };
+  const auto same = [&](const Vector6& a, const Vector6& b) {
+    const Vector6 apart = dt * (a - b);
+    return apart.head<3>().norm() + scan.median_range * apart.tail<3>().norm() < kSame * scan.voxel;
+  };
+  const PreparedScan part = part_of(scan, kDeskewPoints);  // will do for the way there
+  PreparedScan all = scan;
+  all.source = scan.fine;
+  MovingPose best = found_by(attempt);
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<Vector6> tried;
+  const auto settle = [&](MovingPose second) {
+    for (int round = 0; round < kRounds; ++round) second = found_by(align_from(second, part, kHardly));
+    for (int round = 0; round < kRounds; ++round) {
+      const Vector6 twist = second.twist;
+      if (std::any_of(tried.begin(), tried.end(), [&](const Vector6& t) { return same(t, twist); })) return;
+      tried.push_back(twist);
+      const Attempt aligned = align_from(second, all, kHardly);
+      second = found_by(aligned);
+      if (!same(second.twist, twist)) continue;
+      if (score(aligned.health) < least) {
+        least = score(aligned.health);
+        best = second;
+      }
+      return;
+    }
+  };
+  settle(best);
+  settle({pose, Vector6::Zero()});
+  if (gapless && any_speed) {
+    for (const double speed : kSpeeds) settle(moving_at(speed * Vector6::Unit(0)));
+  }
+  Attempt result = align_from(best, scan, kLoose);
+  result.prior = attempt.prior;
+  return result;
+}
+
+}  // namespace scanlock
