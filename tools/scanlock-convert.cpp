@@ -49,8 +49,8 @@ void declare(CLI::App& app, Options& options) {
   app.footer(kFooter);
   app.add_option("IN", options.input, "a directory of scans, an LCM log or a trajectory")->required();
   app.add_option("OUT", options.output, "an LCM log, a new directory or a trajectory");
-  app.add_option("--channel", options.channel,
-                 "of the scans (default: LIDAR) or poses (POSE_BODY_CORRECTED)");
+  app.add_option("--channel", options.channel, "of the scans (default: LIDAR) or poses (POSE_BODY_CORRECTED)")
+      ->check(channel_name());
   app.add_option("--type", options.type, "message type of the scans in a new log (default: pointcloud2)")
       ->check(CLI::IsMember({"pointcloud2", "pointcloud", "drake", "sectors", "planar"}));
   app.add_option("--period", options.clock.period_s,

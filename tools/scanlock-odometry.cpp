@@ -103,7 +103,7 @@ void print(const Json& s) {
   std::cout << "scans " << s["scans"] << ", poses " << s["poses"] << ", way " << s["distance_m"] << " m\n"
             << "states: tracking " << states["tracking"] << ", degraded " << states["degraded"]
             << ", recovering " << states["recovering"] << ", ambiguous " << states["ambiguous"] << ", lost "
-            << states["lost"] << "\n"
+            << states["lost"] << ", initialising " << states["initialising"] << "\n"
             << "ms a scan: p50 " << ms["p50"] << ", p95 " << ms["p95"] << ", p99 " << ms["p99"] << ", max "
             << ms["max"] << "; CPU " << s["cpu_s"] << " s, peak memory " << s["peak_rss_mb"] << " MB\n";
 }
@@ -190,7 +190,7 @@ void declare(CLI::App& app, Options& options) {
                  "Channel of the scans; may be given again (default LIDAR)")
       ->allow_extra_args(false);
   app.add_option("--threads", options.threads, "Worker threads; the result does not depend on it")
-      ->check(number_from_zero(false));
+      ->check(CLI::Range(1, 256).description(""));
   app.add_option("--poses", options.tum_path, "Write the trajectory (TUM)");
   app.add_option("--kitti", options.kitti_path, "Write the trajectory (KITTI)");
   app.add_option("--output", options.output_path, "Write poses and odometry messages (LCM log)");

@@ -184,6 +184,7 @@ void declare(CLI::App& app, Options& options) {
 }
 
 int run(const Options& options) {
+  if (options.json && !options.check) throw UsageError("--json goes with --check");
   const Config config = configured(options);
   if (options.print) {
     print(print_config(config));
