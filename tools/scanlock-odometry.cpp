@@ -159,7 +159,8 @@ int run(const Options& options) {
   std::unique_ptr<MessageSink> sink = std::make_unique<NoSink>();
   if (!options.output_path.empty())
     sink = std::make_unique<LogSink>(options.output_path, LogWriter::Mode::kCreate);
-  Replay replay({options.log_path, 0, 0}, config, SCANLOCK_VERSION, statistics, *sink);
+  Pipeline pipeline(config, statistics, Pipeline::Mode::kReplay);
+  Replay replay({options.log_path, 0, 0}, config, SCANLOCK_VERSION, pipeline, statistics, *sink);
   Result result;
   {
     ProgressBar bar("odometry");
@@ -170,7 +171,7 @@ int run(const Options& options) {
   sink->close();
   const std::string why = replay.why_no_scan(), damage = replay.damage();
   if (!why.empty()) throw std::runtime_error(why + (damage.empty() ? "" : " (" + damage + ")"));
-  if (!options.map_path.empty()) write_cloud(options.map_path, replay.map());
+  if (!options.map_path.empty()) write_cloud(options.map_path, pipeline.map());
   if (!options.tum_path.empty()) write_tum(options.tum_path, result.trajectory);
   if (!options.kitti_path.empty()) write_kitti(options.kitti_path, result.trajectory);
   if (!damage.empty()) std::cerr << "scanlock-odometry: " << damage << "\n";
