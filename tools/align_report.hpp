@@ -37,7 +37,7 @@ class Stopwatch {
 inline double peak_rss_mb() {
   rusage use{};
   getrusage(RUSAGE_SELF, &use);
-  return static_cast<double>(use.ru_maxrss) / 1024.0;
+  return static_cast<double>(use.ru_maxrss) * 1024e-6;  // of kibibytes
 }
 
 inline Json row_major(const Eigen::MatrixXd& matrix) {

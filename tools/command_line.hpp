@@ -64,6 +64,16 @@ inline CLI::Validator number_from_zero(bool zero_too) {
   return CLI::Validator(check, "");
 }
 
+/// For an option that takes a channel to write to or to choose.
+inline CLI::Validator channel_name() {
+  constexpr std::size_t kLongest = 63;  // LCM's own limit
+  const auto check = [](const std::string& text) {
+    if (!text.empty() && text.size() <= kLongest) return std::string();
+    return "'" + text + "' is no channel: 1 to 63 characters";
+  };
+  return CLI::Validator(check, "");
+}
+
 inline std::string nearest_flag(const CLI::App& app, const std::string& letters) {
   std::vector<std::string> known;
   for (const CLI::Option* option : app.get_options())

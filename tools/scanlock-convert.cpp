@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: MIT
 // Scans and trajectories between LCM logs and files.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <initializer_list>
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -49,8 +51,8 @@ void declare(CLI::App& app, Options& options) {
   app.footer(kFooter);
   app.add_option("IN", options.input, "a directory of scans, an LCM log or a trajectory")->required();
   app.add_option("OUT", options.output, "an LCM log, a new directory or a trajectory");
-  app.add_option("--channel", options.channel,
-                 "of the scans (default: LIDAR) or poses (POSE_BODY_CORRECTED)");
+  app.add_option("--channel", options.channel, "of the scans (default: LIDAR) or poses (POSE_BODY_CORRECTED)")
+      ->check(channel_name());
   app.add_option("--type", options.type, "message type of the scans in a new log (default: pointcloud2)")
       ->check(CLI::IsMember({"pointcloud2", "pointcloud", "drake", "sectors", "planar"}));
   app.add_option("--period", options.clock.period_s,
@@ -191,6 +193,20 @@ void convert_trajectory(const Options& options) {
     std::cout << loaded.trajectory.size() << " poses -> " << options.output << "\n";
 }
 
+/// The kind of output follows from IN; a name that says another was not meant so.
+void check_kind(const Options& options, bool from_directory, bool to_directory) {
+  const std::string &input = options.input, &output = options.output;
+  const std::string extension = std::filesystem::path(output).extension().string();
+  const auto is_one_of = [&](std::initializer_list<const char*> names) {
+    return std::find(names.begin(), names.end(), extension) != names.end();
+  };
+  if (from_directory && is_one_of({".tum", ".kitti", ".txt", ".bin", ".ply", ".pcd"}))
+    throw std::runtime_error(input + ": is a directory, whose scans go into a .lcmlog, not into " + output);
+  if (to_directory && is_one_of({".lcmlog", ".bin", ".ply", ".pcd"}))
+    throw std::runtime_error(input + ": is a log, whose scans go into a directory and poses into a .tum or " +
+                             ".kitti, not into " + output);
+}
+
 void run(const Options& options) {
   namespace fs = std::filesystem;
   if (options.info && !options.output.empty()) throw UsageError("--info takes no OUT");
@@ -208,6 +224,7 @@ void run(const Options& options) {
   const bool to_directory = log && !to_trajectory;
   check_outputs({{options.input}, {to_directory ? "" : options.output}, to_directory ? options.output : ""},
                 options.force);
+  check_kind(options, directory, to_directory);
   if (directory) return convert_directory(options);
   to_directory ? convert_log_scans(options) : convert_trajectory(options);
 }

@@ -103,7 +103,7 @@ void print(const Json& s) {
   std::cout << "scans " << s["scans"] << ", poses " << s["poses"] << ", way " << s["distance_m"] << " m\n"
             << "states: tracking " << states["tracking"] << ", degraded " << states["degraded"]
             << ", recovering " << states["recovering"] << ", ambiguous " << states["ambiguous"] << ", lost "
-            << states["lost"] << "\n"
+            << states["lost"] << ", initialising " << states["initialising"] << "\n"
             << "ms a scan: p50 " << ms["p50"] << ", p95 " << ms["p95"] << ", p99 " << ms["p99"] << ", max "
             << ms["max"] << "; CPU " << s["cpu_s"] << " s, peak memory " << s["peak_rss_mb"] << " MB\n";
 }
@@ -159,7 +159,8 @@ int run(const Options& options) {
   std::unique_ptr<MessageSink> sink = std::make_unique<NoSink>();
   if (!options.output_path.empty())
     sink = std::make_unique<LogSink>(options.output_path, LogWriter::Mode::kCreate);
-  Replay replay({options.log_path, 0, 0}, config, SCANLOCK_VERSION, statistics, *sink);
+  Pipeline pipeline(config, statistics, Pipeline::Mode::kReplay);
+  Replay replay({options.log_path, 0, 0}, config, SCANLOCK_VERSION, pipeline, statistics, *sink);
   Result result;
   {
     ProgressBar bar("odometry");
@@ -170,7 +171,7 @@ int run(const Options& options) {
   sink->close();
   const std::string why = replay.why_no_scan(), damage = replay.damage();
   if (!why.empty()) throw std::runtime_error(why + (damage.empty() ? "" : " (" + damage + ")"));
-  if (!options.map_path.empty()) write_cloud(options.map_path, replay.map());
+  if (!options.map_path.empty()) write_cloud(options.map_path, pipeline.map());
   if (!options.tum_path.empty()) write_tum(options.tum_path, result.trajectory);
   if (!options.kitti_path.empty()) write_kitti(options.kitti_path, result.trajectory);
   if (!damage.empty()) std::cerr << "scanlock-odometry: " << damage << "\n";
@@ -190,7 +191,7 @@ void declare(CLI::App& app, Options& options) {
                  "Channel of the scans; may be given again (default LIDAR)")
       ->allow_extra_args(false);
   app.add_option("--threads", options.threads, "Worker threads; the result does not depend on it")
-      ->check(number_from_zero(false));
+      ->check(CLI::Range(1, 256).description(""));
   app.add_option("--poses", options.tum_path, "Write the trajectory (TUM)");
   app.add_option("--kitti", options.kitti_path, "Write the trajectory (KITTI)");
   app.add_option("--output", options.output_path, "Write poses and odometry messages (LCM log)");

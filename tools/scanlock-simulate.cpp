@@ -41,6 +41,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--lidar", options.lidar, "vlp16, hdl64, os1-64, mid360 or planar")->capture_default_str();
   app.add_option("--seconds", options.config.seconds, "Length of the drive")->capture_default_str();
   app.add_option("--seed", options.config.seed, "World, route and noise follow from it")
+      ->check(number_from_zero(true))
       ->capture_default_str();
   app.add_option(
          "--event", options.events,
@@ -57,7 +58,9 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--stamp", options.stamp, "Stamp the begin or the end of each sweep")
       ->check(CLI::IsMember({"begin", "end"}))
       ->capture_default_str();
-  app.add_option("--channel", options.channel, "Channel of the scans")->capture_default_str();
+  app.add_option("--channel", options.channel, "Channel of the scans")
+      ->check(channel_name())
+      ->capture_default_str();
   app.add_option("--truth", options.truth, "Also write the sensor's exact pose at each scan's stamp (TUM)");
   app.add_option(
       "--bin", options.bin,

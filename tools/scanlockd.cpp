@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <future>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@
 #include "daemon/doctor.hpp"
 #include "daemon/lcm_url.hpp"
 #include "daemon/log.hpp"
+#include "io/destination.hpp"
 #include "io/lcm_log.hpp"
 #include "io/output_files.hpp"
 
@@ -131,6 +133,10 @@ void check_logs(const Options& options, const DaemonConfig& daemon) {
   const std::string mode = url_option(url, "mode").value_or("r");
   if (mode == "r") return;           // refused by the daemon
   const bool appends = mode == "a";  // loses nothing
+  const std::string& map = daemon.map.file;
+  if (!map.empty() && is_log_url(url) && !std::filesystem::exists(map) &&
+      same_file(destination_of(map), destination_of(log_url_path(url))))
+    throw std::runtime_error(map + " and " + url + ": two outputs, but one file");
   check_outputs({{options.config_path, input, daemon.map.file}, {log_url_path(url)}, ""},
                 options.force || appends);
 }
@@ -184,6 +190,7 @@ void declare(CLI::App& app, Options& options) {
 }
 
 int run(const Options& options) {
+  if (options.json && !options.check) throw UsageError("--json goes with --check");
   const Config config = configured(options);
   if (options.print) {
     print(print_config(config));

@@ -254,7 +254,7 @@ Config load_config(const std::string& path) {
 
 namespace {
 
-/// A channel cannot serve two purposes, and the poses published here are no prior of their own.
+/// A channel cannot serve two purposes, and what is published here is neither a scan nor a prior.
 void check_channels(const DaemonConfig& daemon) {
   std::vector<std::pair<std::string, std::string>> used;  // name, key
   for (const auto& channel : daemon.scan_channels) used.emplace_back(channel, "input.scan_channels");
@@ -262,16 +262,16 @@ void check_channels(const DaemonConfig& daemon) {
        {std::pair(daemon.pose_channel, "output.pose_channel"),
         std::pair(daemon.odometry_channel, "output.odometry_channel"),
         std::pair(daemon.status_channel, "output.status_channel"),
+        std::pair(daemon.recovery_channel, "output.recovery_channel"),
         std::pair(daemon.rigid_transform_channel, "output.rigid_transform_channel"),
         std::pair(daemon.nav_odometry_channel, "output.nav_odometry_channel"),
-        std::pair(daemon.pose2d_channel, "output.pose2d_channel")})
-    used.emplace_back(channel, key);
-  for (const auto& [channel, key] :
-       {std::pair(daemon.command_channel, "input.command_channel"),
+        std::pair(daemon.pose2d_channel, "output.pose2d_channel"),
+        std::pair(daemon.command_channel, "input.command_channel"),
         std::pair(daemon.attitude_channel, "input.attitude_channel"),
         std::pair(daemon.prior_odometry_channel, "input.prior_odometry_channel")}) {
+    if (channel.empty()) continue;
     for (const auto& [other, other_key] : used) {
-      if (!channel.empty() && channel == other)
+      if (channel == other)
         fail("", key, "\"" + channel + "\" is " + other_key + " already; give it a channel of its own");
     }
     used.emplace_back(channel, key);

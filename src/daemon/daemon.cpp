@@ -25,13 +25,24 @@ constexpr std::size_t kMostCommands = 64;  // that wait; people and scripts send
 /// How often the publishing thread looks at the stop signal while no scan comes.
 constexpr std::chrono::milliseconds kGlance{50};
 
+/// Throws ConfigError for a URL that can never work.
+Pipeline::Mode mode_of(const DaemonConfig& config) {
+  const std::string url = input_url(config);
+  check_url(url);
+  check_url(output_url(config));
+  if (!is_log_url(url)) return Pipeline::Mode::kLive;
+  replay_options(url);
+  return Pipeline::Mode::kReplay;
+}
+
 }  // namespace
 
 Daemon::Daemon(const Config& config, const std::string& version)
-    : config_(config), version_(version), inbox_(kMostCommands) {
-  check_url(input_url(config_.daemon));
-  sink_ = open_sink(output_url(config_.daemon), statistics_);
-}
+    : config_(config),
+      version_(version),
+      pipeline_(config_, statistics_, mode_of(config_.daemon)),
+      sink_(open_sink(output_url(config_.daemon), statistics_)),
+      inbox_(kMostCommands) {}
 
 void Daemon::run(StopSignal& stop) {
   if (is_log_url(input_url(config_.daemon))) {
@@ -43,7 +54,7 @@ void Daemon::run(StopSignal& stop) {
 }
 
 void Daemon::replay(const StopSignal& stop) {
-  Replay replay(replay_options(input_url(config_.daemon)), config_, version_, statistics_, *sink_);
+  Replay replay(replay_options(input_url(config_.daemon)), config_, version_, pipeline_, statistics_, *sink_);
   replay.run(stop, nullptr, nullptr);
   if (const std::string damage = replay.damage(); !damage.empty()) statistics_.complain(damage);
   if (const std::string why = replay.why_no_scan(); !why.empty() && !stop.requested())
@@ -51,7 +62,6 @@ void Daemon::replay(const StopSignal& stop) {
 }
 
 void Daemon::serve(StopSignal& stop) {
-  Pipeline pipeline(config_, statistics_, Pipeline::Mode::kLive);
   Receiver receiver(config_.daemon, inbox_, statistics_, stop);
   // Whichever stage fails ends the others: none waits for ever for what does not come.
   const auto guarded = [&](auto&& stage) {
@@ -66,7 +76,7 @@ void Daemon::serve(StopSignal& stop) {
   };
   std::future<void> receiving = std::async(std::launch::async, [&] { guarded([&] { receiver.run(); }); });
   std::future<void> working = std::async(std::launch::async, [&] {
-    guarded([&] { work(pipeline); });
+    guarded([&] { work(); });
     finished_.finish();
   });
   guarded([&] { publish_until_the_end(stop); });
@@ -74,15 +84,15 @@ void Daemon::serve(StopSignal& stop) {
   receiving.get();
 }
 
-void Daemon::work(Pipeline& pipeline) {
+void Daemon::work() {
   while (const auto item = inbox_.take()) {
     if (const auto* command = std::get_if<Command>(&*item))
-      pipeline.execute(*command);
+      pipeline_.execute(*command);
     else
-      finished_.put(pipeline.process(std::get<ReceivedScan>(*item)));
-    pipeline.save_map_when_due();
+      finished_.put(pipeline_.process(std::get<ReceivedScan>(*item)));
+    pipeline_.save_map_when_due();
   }
-  pipeline.finish();
+  pipeline_.finish();
 }
 
 void Daemon::publish_until_the_end(const StopSignal& stop) {

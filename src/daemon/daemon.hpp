@@ -21,7 +21,9 @@ namespace scanlock {
 /// thread.
 class Daemon {
  public:
-  /// `version` goes into the status. Throws ConfigError for a configuration that cannot work.
+  /// `version` goes into the status. Loads the configured map, and only then opens the log that is to be
+  /// written. Throws std::runtime_error with a sentence for a configuration that cannot work, and for a map
+  /// or a log that cannot be read or written.
   Daemon(const Config& config, const std::string& version);
 
   /// Runs until the stop signal, or to the end when the input is a log. On the stop signal the scan at hand
@@ -35,12 +37,13 @@ class Daemon {
  private:
   void replay(const StopSignal& stop);
   void serve(StopSignal& stop);
-  void work(Pipeline& pipeline);
+  void work();
   void publish_until_the_end(const StopSignal& stop);
 
   const Config config_;
   const std::string version_;
   Statistics statistics_;
+  Pipeline pipeline_;
   std::unique_ptr<MessageSink> sink_;
   WorkInbox inbox_;
   Slot<FinishedScan> finished_;

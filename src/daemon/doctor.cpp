@@ -7,15 +7,17 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <iterator>
 #include <lcm/lcm-cpp.hpp>
 #include <map>
+#include <optional>
 #include <set>
+#include <stdexcept>
 
 #include "daemon/host_network.hpp"
 #include "daemon/lcm_url.hpp"
 #include "daemon/stop_signal.hpp"
+#include "io/lcm_log.hpp"
 #include "messages/fingerprints.hpp"
 
 namespace scanlock {
@@ -39,15 +41,21 @@ class Listener {
       if (buffer->data_size == kEchoBytes) ++echoes_;
       return;
     }
-    if (channel == "LCM_SELF_TEST" || (heard_.size() >= kMaxHeard && heard_.count(channel) == 0)) return;
+    if (channel != "LCM_SELF_TEST")
+      note(channel, static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+  }
+
+  /// Whether the message is a scan.
+  bool note(const std::string& channel, const std::uint8_t* data, std::size_t size) {
+    if (heard_.size() >= kMaxHeard && heard_.count(channel) == 0) return false;
     HeardChannel& heard = heard_[channel];
+    const std::uint64_t print = message_fingerprint(data, size);
     heard.name = channel;
-    const std::uint64_t print =
-        message_fingerprint(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
     heard.type = name_of_type(print);
     heard.holds_scans = is_scan_type(print);
-    heard.largest_bytes = std::max<std::size_t>(heard.largest_bytes, buffer->data_size);
+    heard.largest_bytes = std::max(heard.largest_bytes, size);
     ++heard.messages;
+    return heard.holds_scans;
   }
 
   /// Handles what comes until `duration` has passed or all echoes that were sent are back.
@@ -173,8 +181,9 @@ std::string scans_elsewhere(const DoctorReport& report) {
   std::string names;
   for (const HeardChannel& heard : report.heard)
     if (heard.holds_scans) names += (names.empty() ? "" : ", ") + heard.name + " (" + heard.type + ")";
-  return names.empty() ? ", and no other channel carries scans; is a driver publishing, on this URL?"
-                       : "; scans are on " + names;
+  if (!names.empty()) return "; scans are on " + names;
+  return std::string(", and no other channel carries scans") +
+         (is_log_url(report.url) ? "" : "; is a driver publishing, on this URL?");
 }
 
 std::string remedy_for_silence(const DoctorReport& report) {
@@ -183,17 +192,14 @@ std::string remedy_for_silence(const DoctorReport& report) {
   return "";
 }
 
-void examine_channels(lcm::LCM& lcm, Listener& listener, const DaemonConfig& config, DoctorReport& report) {
-  listener.listen(lcm, kListen, 0);
-  report.listened_s = std::chrono::duration<double>(kListen).count();
-  report.heard = listener.heard();
+/// `where`: "while listening", "in the log".
+void judge_channels(const DaemonConfig& config, const std::string& where, DoctorReport& report) {
   for (const auto& channel : config.scan_channels) {
     const auto heard = std::find_if(report.heard.begin(), report.heard.end(),
                                     [&](const HeardChannel& candidate) { return candidate.name == channel; });
     if (heard == report.heard.end()) {
       add(report, Grade::kFault, "scans",
-          "nothing came on " + channel + " while listening" + scans_elsewhere(report),
-          remedy_for_silence(report));
+          "nothing came on " + channel + " " + where + scans_elsewhere(report), remedy_for_silence(report));
     } else if (!heard->holds_scans) {
       add(report, Grade::kFault, "scans",
           channel + " carries " + heard->type + ", which is no scan" + scans_elsewhere(report),
@@ -205,13 +211,32 @@ void examine_channels(lcm::LCM& lcm, Listener& listener, const DaemonConfig& con
   }
 }
 
-void examine_log(const std::string& url, DoctorReport& report) {
-  const std::string path = log_url_path(url);
-  if (std::ifstream(path).good()) {
-    add(report, Grade::kGood, "log", path + " can be read; a replay loses nothing");
-  } else {
-    add(report, Grade::kFault, "log", path + " cannot be read", "ls -l " + path);
+void examine_channels(lcm::LCM& lcm, Listener& listener, const DaemonConfig& config, DoctorReport& report) {
+  listener.listen(lcm, kListen, 0);
+  report.listened_s = std::chrono::duration<double>(kListen).count();
+  report.heard = listener.heard();
+  judge_channels(config, "while listening", report);
+}
+
+/// Reads until every scan channel has carried a scan, or to the end.
+void examine_log(const std::string& path, const DaemonConfig& config, DoctorReport& report) {
+  Listener listener("");
+  try {
+    check_log(path);
+    LogReader reader(path);
+    std::set<std::string> awaited(config.scan_channels.begin(), config.scan_channels.end());
+    while (!awaited.empty()) {
+      const std::optional<LogEvent> event = reader.next();
+      if (!event) break;
+      if (listener.note(event->channel, event->data.data(), event->data.size()))
+        awaited.erase(event->channel);
+    }
+  } catch (const std::runtime_error& error) {
+    return add(report, Grade::kFault, "log", error.what());
   }
+  add(report, Grade::kGood, "log", path + " can be read; a replay loses nothing");
+  report.heard = listener.heard();
+  judge_channels(config, "in the log", report);
 }
 
 }  // namespace
@@ -224,8 +249,9 @@ bool DoctorReport::good() const {
 DoctorReport examine(const DaemonConfig& config) {
   DoctorReport report;
   report.url = input_url(config);
+  check_url(report.url);
   if (is_log_url(report.url)) {
-    examine_log(report.url, report);
+    examine_log(log_url_path(report.url), config, report);
     return report;
   }
   if (is_multicast_url(report.url)) {

@@ -45,6 +45,7 @@ struct DoctorReport {
 
 /// Looks at everything that stands between a scan and the daemon: the route, the receive buffer, 2 MB
 /// messages to itself through the configured URL, and who else speaks there. Takes about three seconds.
+/// Reads a log until each scan channel has carried a scan. Throws ConfigError for a URL that can never work.
 DoctorReport examine(const DaemonConfig& config);
 
 /// The report for people: a line a finding, the command that mends it below.

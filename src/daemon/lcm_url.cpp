@@ -8,6 +8,9 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
+#include <vector>
+
+#include "daemon/nearest_name.hpp"
 
 namespace scanlock {
 namespace {
@@ -31,6 +34,24 @@ std::string environment_or_default_url() {
 std::string with_receive_buffer(const std::string& url, int bytes) {
   if (!is_multicast_url(url) || url_option(url, "recv_buf_size")) return url;
   return url + (url.find('?') == std::string::npos ? "?" : "&") + "recv_buf_size=" + std::to_string(bytes);
+}
+
+/// LCM itself only warns of an option that a log does not have: a typing error would play it in real time.
+void check_log_options(const std::string& url) {
+  static const std::vector<std::string> kKnown = {"speed", "start_timestamp", "mode"};
+  std::size_t begin = url.find('?');
+  while (begin != std::string::npos) {
+    const std::size_t end = url.find_first_of("&,", ++begin);
+    const std::string option = url.substr(begin, end == std::string::npos ? end : end - begin);
+    const std::string key = option.substr(0, option.find('='));
+    if (!option.empty() && std::find(kKnown.begin(), kKnown.end(), key) == kKnown.end()) {
+      const std::string nearest = nearest_name(key, kKnown);
+      throw ConfigError(
+          url + ": " + key + " is no option of a log" +
+          (nearest.empty() ? "; speed, start_timestamp and mode are" : "; did you mean " + nearest + "?"));
+    }
+    begin = end;
+  }
 }
 
 }  // namespace
@@ -57,6 +78,7 @@ void check_url(const std::string& url) {
                       ": is no LCM URL; udpm://239.255.76.67:7667?ttl=0 (multicast), tcpq://HOST:PORT and "
                       "file://PATH are");
   if (is_log_url(url) && log_url_path(url).empty()) throw ConfigError(url + ": names no file");
+  if (is_log_url(url)) check_log_options(url);
   if (!is_multicast_url(url)) return;
   const MulticastEndpoint endpoint = multicast_endpoint(url);
   in_addr address{};

@@ -40,13 +40,13 @@ ReplayOptions replay_options(const std::string& url) {
 }
 
 Replay::Replay(const ReplayOptions& options, const Config& config, const std::string& version,
-               Statistics& statistics, MessageSink& sink)
+               Pipeline& pipeline, Statistics& statistics, MessageSink& sink)
     : options_(options),
       config_(config),
       statistics_(statistics),
       reader_(options.log_path),
       intake_(config.daemon, statistics),
-      pipeline_(config, statistics, Pipeline::Mode::kReplay),
+      pipeline_(pipeline),
       outputs_(config_.daemon, version, statistics, sink, Pipeline::Mode::kReplay) {}
 
 void Replay::run(const StopSignal& stop, const ScanObserver& observer,

@@ -34,9 +34,9 @@ using ScanObserver = std::function<void(const FinishedScan&, double)>;
 /// log and the configuration alone.
 class Replay {
  public:
-  /// Throws std::runtime_error with a sentence for a log or a map that cannot be read. The references must
-  /// outlive this object.
-  Replay(const ReplayOptions& options, const Config& config, const std::string& version,
+  /// Throws std::runtime_error with a sentence for a log that cannot be read. The references must outlive
+  /// this object.
+  Replay(const ReplayOptions& options, const Config& config, const std::string& version, Pipeline& pipeline,
          Statistics& statistics, MessageSink& sink);
 
   /// To the end of the log, or until the stop signal. `progress`: bytes done and in all; may be empty.
@@ -47,7 +47,6 @@ class Replay {
   std::string damage() const;
   /// Why no scan could be used; empty where one was.
   std::string why_no_scan() const;
-  PointCloud map() const { return pipeline_.map(); }
 
  private:
   bool wait_for(const LogEvent& event, const StopSignal& stop);
@@ -59,7 +58,7 @@ class Replay {
   Statistics& statistics_;
   LogReader reader_;
   Intake intake_;
-  Pipeline pipeline_;
+  Pipeline& pipeline_;
   Outputs outputs_;
   std::int64_t begin_utime_ = 0;  ///< of the first event that was played, and when it was
   std::chrono::steady_clock::time_point begin_{};

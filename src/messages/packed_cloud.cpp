@@ -63,7 +63,8 @@ std::size_t unpack_points(const PackedCloud& cloud, PointCloud& points, Offsets&
       points.y[kept] = y;
       points.z[kept] = z;
       offsets[kept] = static_cast<std::uint32_t>(at);
-      const bool finite = std::isfinite(x) & std::isfinite(y) & std::isfinite(z);
+      const bool finite_x = std::isfinite(x), finite_y = std::isfinite(y), finite_z = std::isfinite(z);
+      const bool finite = finite_x & finite_y & finite_z;
       const bool origin = (x == 0) & (y == 0) & (z == 0);
       kept += finite & !origin;  // the next point overwrites one that is not kept: no branch to mispredict
     }

@@ -60,7 +60,7 @@ std::vector<DecodedScan> SectorAssembler::add(DecodedScan decoded) {
 void SectorAssembler::begin(const Key& key) {
   begun_.push_back(key);
   if (begun_.size() > kRemembered) begun_.pop_front();
-  waiting_.emplace();
+  waiting_ = Slices();
 }
 
 std::optional<DecodedScan> SectorAssembler::flush() {

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <future>
 #include <stdexcept>
+#include <string>
 
 #include "geometry/elementary.hpp"
 #include "simulation/random.hpp"
@@ -16,6 +18,16 @@ namespace {
 constexpr std::size_t kBlock = 2048;    // beams that share a random stream
 constexpr std::uint64_t kNoise = 1000;  // first stream of the noise, one a sweep
 
+std::int64_t sweeps_of(const SimulationConfig& config) {
+  return static_cast<std::int64_t>(std::floor(config.seconds / LidarModel::of(config.lidar).period_s + 1e-6));
+}
+
+std::string text_of(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", number);
+  return text;
+}
+
 SimulationConfig checked(const SimulationConfig& config) {
   if (!(config.seconds > 0) || config.seconds > 36000)
     throw std::invalid_argument("seconds must be more than 0 and at most 36000");
@@ -25,6 +37,13 @@ SimulationConfig checked(const SimulationConfig& config) {
     throw std::invalid_argument("the noise must lie between 0 and 10 m");
   if (config.threads < 1 || config.threads > 256)
     throw std::invalid_argument("threads must lie between 1 and 256");
+  if (sweeps_of(config) < 1)
+    throw std::invalid_argument("no whole scan fits into " + text_of(config.seconds) + " seconds");
+  for (const SimulationEvent& event : config.events) {
+    if (event.time_s >= config.seconds)
+      throw std::invalid_argument("an event at " + text_of(event.time_s) +
+                                  " s never comes: the drive ends after " + text_of(config.seconds) + " s");
+  }
   return config;
 }
 
@@ -48,7 +67,7 @@ Simulator::Simulator(const SimulationConfig& config)
 }
 
 std::int64_t Simulator::sweeps() const {
-  return static_cast<std::int64_t>(std::floor(config_.seconds / lidar_.period_s + 1e-6));
+  return sweeps_of(config_);
 }
 
 Pose Simulator::pose_at(double t, double sweep_begin) const {

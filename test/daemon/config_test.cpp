@@ -178,6 +178,15 @@ TEST_CASE("a channel serves one purpose and the own poses are no prior") {
   config = Config{};
   config.daemon.attitude_channel = config.daemon.prior_odometry_channel = "STATE";
   CHECK_THROWS_AS(check_config(config), ConfigError);
+  config = Config{};
+  config.daemon.pose_channel = "LIDAR";  // the daemon would take its own poses for scans
+  CHECK_THROWS_AS(check_config(config), ConfigError);
+  config = Config{};
+  config.daemon.recovery_channel = config.daemon.status_channel;
+  CHECK_THROWS_AS(check_config(config), ConfigError);
+  config = Config{};
+  config.daemon.pose_channel = config.daemon.odometry_channel = config.daemon.status_channel = "";
+  CHECK_NOTHROW(check_config(config));
 }
 
 TEST_CASE("the mount maps the sensor to the body") {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <random>
 #include <string>
 #include <vector>
@@ -77,6 +78,8 @@ TEST_CASE("scanlock-align prints the promised JSON and writes its files") {
     CAPTURE(key);
     CHECK(result.output.find("\"" + std::string(key) + "\":") != std::string::npos);
   }
+  const double kibibytes = number(result.output, "peak_rss_mb") * 1e6 / 1024;  // MB is 1e6 bytes everywhere
+  CHECK(kibibytes == doctest::Approx(std::round(kibibytes)).epsilon(1e-9));
   CHECK(number(result.output, "rmse") < 0.005);
   CHECK(number(result.output, "rotation_error_deg") < 0.1);
   CHECK(read_cloud(aligned).size() == 3000);

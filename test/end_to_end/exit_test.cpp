@@ -211,13 +211,42 @@ TEST_CASE("the doctor is not content with silence and names the channel that car
   CHECK(contains(elsewhere.output, "--scan-channel 'VELODYNE'"));
 }
 
+TEST_CASE("the doctor reads a log as the replay does") {
+  const TemporaryFolder folder;
+  const std::string log = folder / "drive.lcmlog", other = folder / "notes.txt";
+  write_log(log, drive(4, 16, 360));
+  write_file(other, "notes");
+  const auto check = [&](const std::string& path, const std::string& channel) {
+    return run(folder, {"scanlockd", "--check", "-l", "file://" + path, "--scan-channel", channel});
+  };
+  const Result good = check(log, "LIDAR");
+  CHECK(good.code == 0);
+  CHECK(contains(good.output, "LIDAR carries bot_core.pointcloud2_t"));
+  const Result misspelt = check(log + "?sped=0", "LIDAR");
+  CHECK(misspelt.code == 1);
+  CHECK(contains(misspelt.errors, "did you mean speed?"));
+  const Result elsewhere = check(log, "VELODYNE");
+  CHECK(elsewhere.code == 1);
+  CHECK(contains(elsewhere.output, "scans are on LIDAR (bot_core.pointcloud2_t)"));
+  CHECK(contains(elsewhere.output, "--scan-channel 'LIDAR'"));
+  for (const std::string& path : {folder / "", std::string("/dev/null"), other, folder / "none"}) {
+    CAPTURE(path);
+    const Result result = check(path, "LIDAR");
+    CHECK(result.code == 1);
+    CHECK(contains(result.output, "FAULT " + path + ": "));
+  }
+}
+
 TEST_CASE("a URL that can never work ends the program at once") {
   const TemporaryFolder folder;
   for (const char* url : {"udpm://239.255.76.67:99999", "udpm://10.0.0.1:7667", "lcm", "rtps://here"}) {
     CAPTURE(url);
-    const Result result = run(folder, {"scanlockd", "-l", url});
-    CHECK(result.code == 1);
-    CHECK(contains(result.errors, url));
+    for (const char* flag : {"--force", "--check"}) {
+      const Result result = run(folder, {"scanlockd", flag, "-l", url});
+      CHECK(result.code == 1);
+      CHECK(result.output.empty());
+      CHECK(contains(result.errors, url));
+    }
   }
 }
 

@@ -197,6 +197,54 @@ TEST_CASE("two outputs in one file are refused") {
   }
 }
 
+TEST_CASE("the map and the log of the daemon are two files") {
+  const Inputs inputs;
+  const std::string output = inputs.folder / "out";
+  const Command command = {"scanlockd", "-l",        "file://" + inputs.log + "?speed=0", "--map",
+                           output,      "--out-url", "file://" + output + "?mode=w"};
+  const Result result = run(inputs.folder, command);
+  check_refusal(command, result);
+  CHECK(contains(result.errors, "two outputs, but one file"));
+  CHECK_FALSE(fs::exists(output));
+}
+
+TEST_CASE("a daemon that cannot start leaves the log it was to write as it was") {
+  const Inputs inputs;
+  const std::string output = inputs.folder / "out.lcmlog", damaged = inputs.folder / "damaged.map",
+                    input = "file://" + inputs.log;
+  write_file(damaged, "no map");
+  const Command starts[] = {{"scanlockd", "-l", input + "?speed=0", "--map", damaged},
+                            {"scanlockd", "-l", input + "?speed=0", "--map", inputs.folder / "none/a.map"},
+                            {"scanlockd", "-l", input + "?speed=fast"},
+                            {"scanlockd", "-l", input + "?sped=0"},
+                            {"scanlockd", "-l", "udpm://10.0.0.1:7667"}};
+  for (Command command : starts) {
+    command.insert(command.end(), {"--out-url", "file://" + output + "?mode=w", "--force"});
+    CAPTURE(joined(command));
+    CHECK(run(inputs.folder, command).code == 1);
+    CHECK_FALSE(fs::exists(output));
+    write_file(output, "precious");
+    CHECK(run(inputs.folder, command).code == 1);
+    CHECK(read_file(output) == "precious");
+    fs::remove(output);
+  }
+}
+
+TEST_CASE("convert does not write one kind of file under the name of another") {
+  const Inputs inputs;
+  const std::pair<Command, std::string> cases[] = {
+      {{"scanlock-convert", inputs.scans, inputs.folder / "out.tum"}, "go into a .lcmlog"},
+      {{"scanlock-convert", inputs.scans, inputs.folder / "out.kitti"}, "go into a .lcmlog"},
+      {{"scanlock-convert", inputs.log, inputs.folder / "out.lcmlog"}, "go into a directory"},
+      {{"scanlock-convert", inputs.log, inputs.folder / "out.ply"}, "go into a directory"}};
+  for (const auto& [command, words] : cases) {
+    const Result result = run(inputs.folder, command);
+    check_refusal(command, result);
+    CHECK_MESSAGE(contains(result.errors, words), result.errors);
+    CHECK_FALSE(fs::exists(command.back()));
+  }
+}
+
 TEST_CASE("a cloud of a kind that cannot be written is refused before any work") {
   const Inputs inputs;
   const std::string cloud = inputs.folder / "out.foo", other = inputs.folder / "other";

@@ -88,6 +88,15 @@ TEST_CASE("wrong usage is exit 2 and one line that names the program and what wa
       {{"scanlock-odometry", "a.lcmlog", "--thread", "2"}, "--thread: unknown flag; did you mean --threads?"},
       {{"scanlock-odometry"}, "LOG is required"},
       {{"scanlockd", "--scan-chanel", "A"}, "--scan-chanel: unknown flag; did you mean --scan-channel?"},
+      {{"scanlock-odometry", "a.lcmlog", "--threads", "257"}, "--threads: Value 257 not in range 1 to 256"},
+      {{"scanlock-simulate", "a.lcmlog", "--seed", "-1"}, "--seed: -1 is no number of 0 or more"},
+      {{"scanlock-simulate", "a.lcmlog", "--seconds", "0.01"}, "no whole scan"},
+      {{"scanlock-simulate", "a.lcmlog", "--seconds", "5", "--event", "kidnap@5"},
+       "an event at 5 s never comes: the drive ends after 5 s"},
+      {{"scanlock-simulate", "a.lcmlog", "--channel", ""}, "--channel: '' is no channel: 1 to 63 characters"},
+      {{"scanlock-convert", "a", "b", "--channel", std::string(64, 'x')},
+       "is no channel: 1 to 63 characters"},
+      {{"scanlockd", "--json"}, "--json goes with --check"},
       {{"scanlockd", "stray"}, "not expected: stray"}};
   for (const Wrong& wrong : cases) {
     CAPTURE(joined(wrong.command));
@@ -98,6 +107,7 @@ TEST_CASE("wrong usage is exit 2 and one line that names the program and what wa
     CHECK(std::count(result.errors.begin(), result.errors.end(), '\n') == 1);
     CHECK_MESSAGE(contains(result.errors, wrong.words), result.errors);
   }
+  CHECK_FALSE(fs::exists("a.lcmlog"));
 }
 
 TEST_CASE("scripts tell their help and wrong usage without installing or building anything") {

@@ -1,0 +1,22 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "daemon/map_file.hpp"
+#include "fuzz.hpp"
+#include "io/crc32.hpp"
+
+using namespace scanlock;
+
+/// As it came, and with a size and a checksum that fit, which no mutation finds.
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  constexpr std::size_t kHeader = 20, kChecksum = 4;
+  std::vector<std::uint8_t> bytes(data, data + size);
+  fuzz::allow_errors([&] { decode_map(bytes, "input"); });
+  if (size < kHeader + kChecksum) return 0;
+  const std::uint64_t body = size - kHeader - kChecksum;
+  for (std::size_t i = 0; i < 8; ++i) bytes[12 + i] = static_cast<std::uint8_t>(body >> 8 * i);
+  const std::uint32_t checksum = crc32(bytes.data(), size - kChecksum);
+  for (std::size_t i = 0; i < kChecksum; ++i)
+    bytes[size - kChecksum + i] = static_cast<std::uint8_t>(checksum >> 8 * i);
+  fuzz::allow_errors([&] { encode_map(decode_map(bytes, "input")); });
+  return 0;
+}

@@ -1,0 +1,12 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "fuzz.hpp"
+#include "io/match_file.hpp"
+
+using namespace scanlock;
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const fuzz::MemoryFile file(data, size);
+  fuzz::allow_errors([&] { read_matches(file.path(), 1000); });
+  return 0;
+}
