@@ -17,11 +17,9 @@ constexpr double kWeakRotation = 0.003;
 // A weak direction is charged to the body axes that make up most of it.
 constexpr double kShareOfAxis = 0.5;
 
-// What H has along a direction over what noise alone would give it: 0.5 to 3 in smooth tunnels, 2.5 and more
-// in bare corridors, 10 and more in streets, rooms, woods and fields. A direction is named open a little
-// sooner than it is taken for it.
-constexpr double kNoise = 2.5, kSignal = 4.0, kNamed = 5.0;
-constexpr double kNothing = 1e-6;  // of the trace: open, whatever the noise
+// Normals of neighbouring surfaces share their errors, so that what noise makes of H scatters: of smooth
+// tunnels it was half to three times what is expected.
+constexpr double kMostNoise = 5.0;
 
 Eigen::Matrix3d inverse(const Eigen::Matrix3d& block) {
   return (block + Eigen::Matrix3d::Identity() * (1e-9 * block.trace() + 1e-300)).inverse();
@@ -30,7 +28,7 @@ Eigen::Matrix3d inverse(const Eigen::Matrix3d& block) {
 /// A motion that a scene holds more or less than the two others of its kind (translations, or rotations).
 struct Direction {
   Vector6 motion;       ///< unit in its own three; with it what the other three do that give way to it
-  double known, noise;  ///< information along it and the part that noise makes, over the trace of its block
+  double known, noise;  ///< information along it, and the part of it that noise makes
 };
 
 /// `first`: 0 for translations, 3 for rotations. The least known comes first.
@@ -53,30 +51,47 @@ std::array<Direction, 3> directions_of(const Matrix6& information, const Matrix6
     Direction& direction = result[static_cast<std::size_t>(k)];
     direction.motion.segment<3>(first) = axes.col(k);
     direction.motion.segment<3>(other) = follow * axes.col(k);
-    direction.known = known[k];
-    direction.noise = trace > 0 ? direction.motion.dot(noise * direction.motion) / trace : 0;
+    direction.known = trace * known[k];
+    direction.noise = direction.motion.dot(noise * direction.motion);
   }
   return result;
 }
 
-double examine(const std::array<Direction, 3>& directions, double threshold, int first, std::uint32_t* axes) {
-  for (const Direction& direction : directions) {
-    if (direction.known > std::max(threshold, kNamed * direction.noise)) continue;
-    for (int axis = first; axis < first + 3; ++axis) {
-      if (std::abs(direction.motion[axis]) > kShareOfAxis) *axes |= 1u << axis;
-    }
+/// A weak direction is charged to the body axes that make up most of it.
+std::uint32_t axes_of(const Direction& direction, int first) {
+  std::uint32_t axes = 0;
+  for (int axis = first; axis < first + 3; ++axis) {
+    if (std::abs(direction.motion[axis]) > kShareOfAxis) axes |= 1u << axis;
   }
-  return directions[0].known;
+  return axes;
 }
 
 }  // namespace
 
-Degeneracy find_degeneracy(const Matrix6& information, const Matrix6& noise) {
+Degeneracy find_degeneracy(const Matrix6& information) {
   Degeneracy result;
-  result.weakest_translation =
-      examine(directions_of(information, noise, 0), kWeakTranslation, 0, &result.axes);
-  result.weakest_rotation = examine(directions_of(information, noise, 3), kWeakRotation, 3, &result.axes);
+  for (const int first : {0, 3}) {
+    const double trace = std::max(information.block<3, 3>(first, first).trace(), 1e-300);
+    const auto directions = directions_of(information, Matrix6::Zero(), first);
+    (first == 0 ? result.weakest_translation : result.weakest_rotation) = directions[0].known / trace;
+    for (const Direction& direction : directions) {
+      if (direction.known / trace <= (first == 0 ? kWeakTranslation : kWeakRotation))
+        result.axes |= axes_of(direction, first);
+    }
+  }
   return result;
+}
+
+std::uint32_t open_axes(const Matrix6& information, const Matrix6& noise, const Matrix6& predicted) {
+  std::uint32_t axes = 0;
+  for (const int first : {0, 3}) {
+    for (const Direction& direction : directions_of(information, noise, first)) {
+      const Eigen::Vector3d own = direction.motion.segment<3>(first);
+      const double said = direction.known - kMostNoise * direction.noise;
+      if (said * own.dot(predicted.block<3, 3>(first, first) * own) < 1.0) axes |= axes_of(direction, first);
+    }
+  }
+  return axes;
 }
 
 }  // namespace scanlock

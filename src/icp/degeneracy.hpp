@@ -19,8 +19,12 @@ struct Degeneracy {
   std::uint32_t axes = 0;  ///< bit 0..2: translation along body x y z, 3..5: rotation about x y z; those
                            ///< nearest to a weak direction
 };
-/// `noise`: the part of H that errors of the normals make, as expected. A direction along which H is little
-/// more than that is not observed, however large it is.
-Degeneracy find_degeneracy(const Matrix6& information, const Matrix6& noise = Matrix6::Zero());
+Degeneracy find_degeneracy(const Matrix6& information);
+
+/// The axes (bits as in Degeneracy) in which a scan says less of a pose than the prediction did.
+/// `information`: of the scan, H over the variance of a residual; `noise`: the part of it that errors of the
+/// normals make, as expected, which says nothing; `predicted`: covariance of the prediction. All in the body
+/// frame.
+std::uint32_t open_axes(const Matrix6& information, const Matrix6& noise, const Matrix6& predicted);
 
 }  // namespace scanlock

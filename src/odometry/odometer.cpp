@@ -36,7 +36,9 @@ constexpr double kUsualShare = 0.8;
 }  // namespace
 
 std::uint32_t Attempt::open_axes() const {
-  return find_degeneracy(alignment.information.topLeftCorner<6, 6>(), alignment.noise).axes;
+  const Matrix6 predicted = inverse(prior.information).topLeftCorner<6, 6>();
+  return scanlock::open_axes(alignment.information.topLeftCorner<6, 6>() / variance,
+                             alignment.noise / variance, predicted);
 }
 
 Odometer::Odometer(const TrackerConfig& config)
@@ -117,6 +119,7 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
   attempt.alignment = aligner_.align(scan.source, map_.target(), local,
                                      options(std::max(scan.voxel, kReach * scan.median_range), reach));
   attempt.alignment.moving.pose.translation() += map_.origin();
+  attempt.variance = sigma_ * sigma_ * inflation();
   attempt.health = health_.assess(aligner_.residuals(), aligner_.weights(), kKernel * sigma_,
                                   map_.planar() ? planar_chance(scan.whole) : 0.0);
   return attempt;

@@ -29,7 +29,8 @@ inline constexpr double kCoastSeconds = 3.0;
 // Points of a scan that tell whether it fits at all, and how the robot moved.
 inline constexpr std::size_t kLookPoints = 400, kDeskewPoints = 800;
 
-/// How far an alignment looks for its surfaces: far where the prediction may be off, farther where that did not help.
+/// How far an alignment looks for its surfaces: far where the prediction may be off, farther where that did
+/// not help.
 enum class Reach : std::int8_t { kNear, kFar, kFarthest };
 
 /// One alignment of a scan with the map, and what it is worth.
@@ -37,6 +38,7 @@ struct Attempt {
   ScanAlignment alignment;
   MotionPrior prior;
   Health health;
+  double variance = 1;  ///< m^2, of a residual, its correlations counted in
   /// The axes that the scene leaves open, as bits: see Degeneracy.
   std::uint32_t open_axes() const;
   /// Unexplained share of the scan.

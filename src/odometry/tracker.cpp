@@ -148,7 +148,8 @@ struct Tracker::State {
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);
     Attempt far = odometer.align(part, loose, Reach::kFar);
-    if (far.health.score > kFitScore) far = better(std::move(far), odometer.align(part, loose, Reach::kFarthest));
+    if (far.health.score > kFitScore)
+      far = better(std::move(far), odometer.align(part, loose, Reach::kFarthest));
     const bool moved =
         !near(prior.mean.pose, last_trusted.map_from_body, kWithinReach * scan.median_range, kWithinTurn);
     if (moved && !explains(far, kJumpScore)) {
