@@ -38,6 +38,8 @@ class ScanClock {
 
   Reading read(const Scan& scan);
   bool accepts(Verdict verdict) const { return verdict <= Verdict::kStepped; }
+  /// Seconds between two scans, the median of the last few; 0 before there were two.
+  double period_s() const;
 
  private:
   /// Stamps that advance as a clock does.
@@ -50,7 +52,6 @@ class ScanClock {
   void extend(Chain& chain, const Scan& scan) const;
   Reading accept(const Scan& scan);
   Reading step();
-  double period_s() const;
   void note_period(double seconds);
 
   static constexpr int kPeriods = 9;

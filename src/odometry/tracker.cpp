@@ -22,6 +22,8 @@ constexpr double kMicro = 1e-6;
 
 constexpr double kFitScore = 3.0;
 constexpr double kMoment = 0.35;  // seconds
+constexpr double kEarly = 2;      // times too soon after the last one: stamps of a sensor that has none of its own
+constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
 constexpr double kWithinReach = 0.08, kWithinTurn = 5.0 * kDegree;
@@ -92,7 +94,7 @@ struct Tracker::State {
       return hints.motion ? odometer.predict(seconds, *hints.motion) : odometer.predict(seconds);
     };
     MotionPrior prior = after(dt);
-    if (most_dt > dt) prior.information = after(most_dt).information;
+    if (most_dt > kEarly * dt) prior.information = after(most_dt).information;
     return prior;
   }
 
@@ -115,7 +117,7 @@ struct Tracker::State {
     timed = true;
     last_utime = scan.utime;
     dt = begun ? reading.elapsed_s : 0.0;
-    most_dt = begun ? reading.most_elapsed_s : 0.0;
+    most_dt = begun ? std::max(reading.most_elapsed_s, clock.period_s()) : 0.0;  // a stamp may be early
     return true;
   }
 
@@ -308,9 +310,11 @@ struct Tracker::State {
   void report(TrackedScan* tracked) {
     tracked->state = reported_state();
     if (tracked->state == TrackingState::kTracking) {
-      tracked->degenerate_axes = open_axes.note(tracked->degenerate_axes);
+      const std::uint32_t never = odometer.planar() ? kOutOfPlane : 0;  // seen, nor missed, by such a sensor
+      const std::uint32_t missing = open_axes.note(tracked->degenerate_axes & ~never);
+      tracked->degenerate_axes = missing | never;
       const bool little = tracked->inliers < kDegradedShare * tracked->points_used;
-      if (tracked->degenerate_axes != 0 || little) tracked->state = TrackingState::kDegraded;
+      if (missing != 0 || little) tracked->state = TrackingState::kDegraded;
     }
     tracked->epoch = epoch;
     tracked->localised = localised;
