@@ -31,21 +31,20 @@ ConfigKey make_key(const char* section, const char* name, T MapConfig::*member, 
       max,     help, {},   Access<T>([member](Config& config) -> T& { return config.daemon.map.*member; })};
 }
 
-/// The tracker's keys need neither section nor a second name: `TRACKER(member, unit, min, max, help)`.
 template <typename T>
-ConfigKey tracker_key(const char* name, T TrackerConfig::*member, const char* unit, double min, double max,
-                      const char* help) {
-  return {
-      "tracker", name, unit, min,
-      max,       help, {},   Access<T>([member](Config& config) -> T& { return config.tracker.*member; })};
+ConfigKey make_key(const char* section, const char* name, T TrackerConfig::*member, const char* unit,
+                   double min, double max, const char* help) {
+  return {section, name, unit, min,
+          max,     help, {},   Access<T>([member](Config& config) -> T& { return config.tracker.*member; })};
 }
 
 std::vector<ConfigKey> make_table() {
   using D = DaemonConfig;
   using M = MountConfig;
   using F = MapConfig;
+  using T = TrackerConfig;
 // clang-format off
-#define TRACKER(member, unit, min, max, help) tracker_key(#member, &TrackerConfig::member, unit, min, max, help)
+#define TRACKER(member, unit, min, max, help) make_key("tracker", #member, &T::member, unit, min, max, help)
   return {
     make_key("input", "url", &D::url, "", 0, 1000, "LCM URL of the scans; empty: LCM_DEFAULT_URL, else multicast on this host only; file:// replays a log in lock-step"),
     make_key("input", "scan_channels", &D::scan_channels, "", 1, 16, "channels that carry scans; literal names, not patterns"),
@@ -94,6 +93,8 @@ std::vector<ConfigKey> make_table() {
     TRACKER(max_keyframes, "keyframes", 1, 10000, "scans that the map is made of at most"),
     TRACKER(max_map_points, "points", 1000, 20000000, "points that the map holds at most"),
     TRACKER(max_archive_points, "points", 1000, 200000000, "points of all places that are remembered for coming back to, 12 bytes each; the oldest give way"),
+
+    make_key("recovery", "new_map_after_s", &T::new_map_after_s, "s", 1, 86400, "a robot that sees, and has found no place for so long, goes on in a new map: TRACKING, in a new epoch; it goes on looking for the old one"),
   };
 #undef TRACKER
   // clang-format on

@@ -35,6 +35,7 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
   const MovingPose before = odometer_.state();
   blind_s_ = 0;
   odometer_.accept(attempt);
+  followed_s_ += dt;
   const MovingPose& now = odometer_.state();
   const Vector6 way = se3_log(before.pose.inverse() * now.pose) / dt;
   if (dt <= kShort && is_bent(0.5 * (before.twist + now.twist), way)) {
@@ -42,6 +43,7 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
     return false;
   }
   odometer_.keep(utime, scan, attempt.health.share);
+  attempt_ = std::move(attempt);
   ++scans_;
   return true;
 }
@@ -50,7 +52,7 @@ void Excursion::begin_anew(std::int64_t utime, const PreparedScan& scan, const M
   odometer_.start(utime, scan, predicted);
   bend_.setZero();
   up_sum_.setZero();
-  blind_s_ = 0;
+  blind_s_ = followed_s_ = 0;
   scans_ = 1;
 }
 
@@ -64,6 +66,7 @@ bool Excursion::is_bent(const Vector6& velocity, const Vector6& way) {
 
 void Excursion::coast(double dt) {
   blind_s_ += dt;
+  if (blind_s_ > kCoastSeconds) followed_s_ = 0;
   MotionPrior prior = odometer_.predict(dt);
   if (blind_s_ > kCoastSeconds) prior.mean.twist.setZero();
   odometer_.coast(prior);

@@ -33,6 +33,10 @@ class Excursion {
   bool planar() const { return odometer_.planar(); }
   /// Scans since it began.
   int scans() const { return scans_; }
+  /// Seconds that it has followed scans that fit each other.
+  double followed_s() const { return followed_s_; }
+  /// Of the last scan that was followed.
+  const Attempt& attempt() const { return attempt_; }
 
   /// What it saw within `radius` metres (horizontally) of where it is now: axes of the predicted map frame,
   /// relative to `centre`, which is set.
@@ -47,6 +51,8 @@ class Excursion {
   int scans_ = 1;
   Vector6 bend_ = Vector6::Zero();  ///< velocity, less what the way from scan to scan says; a mean
   Eigen::Vector3d up_sum_ = Eigen::Vector3d::Zero();
+  double followed_s_ = 0;
+  Attempt attempt_;
   double blind_s_ = 0;  ///< since the last scan that was followed
 };
 

@@ -10,7 +10,8 @@ namespace scanlock {
 namespace {
 
 constexpr int kFirstScans = 6;        // that make the first submap
-constexpr int kLongestPause = 30;     // scans between two requests
+constexpr int kLongestPause = 600;    // scans between two requests,
+constexpr int kRarer = 20;            // and how soon they get rare where they bring nothing
 constexpr int kSecondLook = 1;        // scans before one that follows a find, and another one
 constexpr int kLooksAScan = 24;       // for so many attempts: what is found again and again convinces nobody
 constexpr double kSourceReach = 5.6;  // of the scene's size, radius of what is looked for
@@ -81,7 +82,7 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
   out_ = true;
   void_ = false;
   scans_asked_ = excursion.scans();
-  scans_wanted_ = scans_asked_ + std::min(3 + attempts_, kLongestPause);
+  scans_wanted_ = scans_asked_ + std::min(3 + attempts_ + attempts_ * attempts_ / kRarer, kLongestPause);
   return request;
 }
 

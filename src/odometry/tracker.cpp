@@ -22,6 +22,8 @@ constexpr double kMicro = 1e-6;
 
 constexpr double kFitScore = 3.0;
 constexpr double kMoment = 0.35;  // seconds
+// A planar robot turns on the spot, by more between two scans than ICP can follow.
+constexpr double kTurns[] = {-0.2, 0.2, -0.4, 0.4, -0.6, 0.6, -0.8, 0.8};  // radians
 constexpr double kEarly = 2;      // times too soon after the last one: stamps of a sensor that has none of its own
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
@@ -152,6 +154,13 @@ struct Tracker::State {
     Attempt far = odometer.align(part, loose, Reach::kFar);
     if (far.health.score > kFitScore)
       far = better(std::move(far), odometer.align(part, loose, Reach::kFarthest));
+    if (scan.planar && far.health.score > kFitScore) {
+      for (const double turn : kTurns) {
+        MotionPrior turned = loose;
+        turned.mean.pose.rotate(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+        far = better(std::move(far), odometer.align(part, turned, Reach::kFar));
+      }
+    }
     const bool moved =
         !near(prior.mean.pose, last_trusted.map_from_body, kWithinReach * scan.median_range, kWithinTurn);
     if (moved && !explains(far, kJumpScore)) {
@@ -269,14 +278,20 @@ struct Tracker::State {
   void track_lost(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
     if (!relocation.has_excursion()) coast(predict());
     Attempt attempt;
+    const bool was_in_new_map = relocation.in_new_map();
     const Relocation::Outcome outcome = relocation.follow(now, dt, scan, odometer, &attempt);
     if (hints.level_from_body) relocation.note_up(up_in_body(hints));
     finished(Stage::kAlign);
     if (outcome == Relocation::Outcome::kLost) {
-      describe(attempt, PoseMethod::kPredicted, tracked);
+      if (localised && relocation.in_new_map()) {
+        if (!was_in_new_map) ++epoch;
+        describe(relocation.excursion().attempt(), PoseMethod::kIcp, tracked);
+      } else {
+        describe(attempt, PoseMethod::kPredicted, tracked);
+      }
       return;
     }
-    const bool jumped = outcome == Relocation::Outcome::kFound;
+    const bool jumped = outcome == Relocation::Outcome::kFound || was_in_new_map;
     if (jumped) ++epoch;
     // On new ground it must grow at once, or the robot has left it.
     quiet_scans_left = usual_share(attempt.health) ? kQuietScans : 0;
@@ -305,7 +320,10 @@ struct Tracker::State {
     if (aligned) tracked->degenerate_axes = attempt.open_axes();
   }
 
-  TrackingState reported_state() const { return relocation.lost() ? relocation.state() : state; }
+  TrackingState reported_state() const {
+    if (localised && relocation.in_new_map()) return TrackingState::kTracking;
+    return relocation.lost() ? relocation.state() : state;
+  }
 
   void report(TrackedScan* tracked) {
     tracked->state = reported_state();

@@ -25,6 +25,8 @@ struct TrackerConfig {
 
   int max_keyframes = 60;
   int max_map_points = 200000;
+  double new_map_after_s = 5.0;  ///< without a place, until a lost robot that sees goes on in a new map
+
   int max_archive_points = 2000000;  ///< of all places remembered for coming back to
 };
 
