@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace scanlock {
 namespace {
@@ -30,6 +31,20 @@ double ScanClock::period_s() const {
   return known > 0 ? sorted[static_cast<std::size_t>(known / 2)] : 0.0;
 }
 
+/// Stamps that were not taken by the sensor but when some process got to it say when scans came on average
+/// only.
+bool ScanClock::irregular() const {
+  if (periods_noted_ < kPeriods) return false;
+  const double usual = period_s();
+  return 2 * std::count_if(periods_.begin(), periods_.end(),
+                           [&](double s) { return std::abs(s - usual) > 0.5 * usual; }) >
+         kPeriods;
+}
+
+double ScanClock::mean_period_s() const {
+  return std::accumulate(periods_.begin(), periods_.end(), 0.0) / kPeriods;
+}
+
 void ScanClock::note_period(double seconds) {
   periods_[static_cast<std::size_t>(periods_noted_ % kPeriods)] = seconds;
   periods_noted_ = periods_noted_ + 1 < 2 * kPeriods ? periods_noted_ + 1 : kPeriods;
@@ -54,6 +69,7 @@ ScanClock::Reading ScanClock::accept(const Scan& scan) {
   if (clock_.scans > 0) {
     reading.elapsed_s = reading.most_elapsed_s = difference_s(scan.utime, clock_.last);
     note_period(reading.elapsed_s);
+    if (irregular()) reading.elapsed_s = reading.most_elapsed_s = mean_period_s();
   }
   extend(clock_, scan);
   rejected_ = {};

@@ -52,6 +52,8 @@ class ScanClock {
   void extend(Chain& chain, const Scan& scan) const;
   Reading accept(const Scan& scan);
   Reading step();
+  bool irregular() const;
+  double mean_period_s() const;
   void note_period(double seconds);
 
   static constexpr int kPeriods = 9;
