@@ -94,4 +94,18 @@ std::uint32_t open_axes(const Matrix6& information, const Matrix6& noise, const 
   return axes;
 }
 
+Observed observed(const Matrix6& information, const Matrix6& noise, const Matrix6& predicted) {
+  Observed result{Matrix6::Identity(), Matrix6::Identity()};
+  for (const Direction& direction : directions_of(information, noise, 0)) {
+    const Eigen::Vector3d own = direction.motion.head<3>();
+    const double prior = 1.0 / own.dot(predicted.topLeftCorner<3, 3>() * own);
+    const double all = std::max(direction.known, 1e-12 * prior);
+    const double real = std::max(all - kMostNoise * direction.noise, 0.0);
+    const double moved = real / (prior + real) * (prior + all) / all;
+    result.motion.leftCols<3>() -= (1 - moved) * direction.motion * own.transpose();
+    result.information.leftCols<3>() -= (1 - std::sqrt(real / all)) * direction.motion * own.transpose();
+  }
+  return result;
+}
+
 }  // namespace scanlock

@@ -15,7 +15,9 @@ namespace {
 // them.
 constexpr double kSpeeds[] = {0, -5, 5, -10, 10, -15, 15, -20, 20, -25, 25, -30, 30};
 constexpr int kRounds = 3;
-constexpr double kSame = 0.2;  // voxels, by which the same points move from one scan to the next
+// Voxels by which points move from one scan to the next: by less than the first two motions are the same, or
+// it is none.
+constexpr double kSame = 0.2, kAtRest = 0.05;
 /// What a point without a surface costs, of what one far off its surface does: a moving robot sees new
 /// ground.
 constexpr double kUnmatched = 0.3;
@@ -56,9 +58,9 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
     there.information *= belief;
     return align(points, there, Reach::kNear);
   };
-  const auto same = [&](const Vector6& a, const Vector6& b) {
+  const auto same = [&](const Vector6& a, const Vector6& b, double voxels = kSame) {
     const Vector6 apart = dt * (a - b);
-    return apart.head<3>().norm() + scan.median_range * apart.tail<3>().norm() < kSame * scan.voxel;
+    return apart.head<3>().norm() + scan.median_range * apart.tail<3>().norm() < voxels * scan.voxel;
   };
   const PreparedScan part = part_of(scan, kDeskewPoints);  // will do for the way there
   PreparedScan all = scan;
@@ -82,11 +84,20 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
       return;
     }
   };
-  settle(best);
-  settle({pose, Vector6::Zero()});
+  const MovingPose rest{pose, Vector6::Zero()};
+  const Attempt rested = align_from(rest, all, kHardly);
+  if (same(found_by(rested).twist, rest.twist, kAtRest)) {
+    tried.push_back(rest.twist);
+    least = score(rested.health);
+    best = rest;
+  }
+  settle(found_by(attempt));
+  settle(rest);
   if (gapless && any_speed) {
     for (const double speed : kSpeeds) settle(moving_at(speed * Vector6::Unit(0)));
   }
+  const bool at_rest = best.twist.isZero();
+  for (int round = 0; round < kRounds && !at_rest; ++round) best = found_by(align_from(best, all, kHardly));
   Attempt result = align_from(best, scan, kLoose);
   result.prior = attempt.prior;
   return result;

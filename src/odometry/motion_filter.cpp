@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "odometry/motion_filter.hpp"
 
+#include <algorithm>
+
 #include "geometry/elementary.hpp"
 
 namespace scanlock {
@@ -84,7 +86,8 @@ MotionPrior MotionFilter::predict(double dt, const Pose& motion) const {
 void MotionFilter::update(const MotionPrior& prior, const ScanAlignment& alignment, double variance) {
   state_ = {renormalised(alignment.moving.pose), alignment.moving.twist};
   mean_twist_ += (1 - exp(-prior.ahead_s / kMeanOver)) * (state_.twist - mean_twist_);
-  const double weight = prior_weight(squared_gap(prior, alignment.moving));
+  // That a prediction was met says nothing more of where no data did.
+  const double weight = std::min(prior_weight(squared_gap(prior, alignment.moving)), 1.0);
   covariance_ = inverse(Matrix12(weight * prior.information + alignment.information / variance));
 }
 

@@ -21,9 +21,6 @@ constexpr double kVarianceInflation = 10;
 constexpr double kReach = 0.04;
 constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is better
 constexpr double kFirstSigma = 0.03;
-/// Where a prediction may be off by much, alignment begins at this many times that reach: most points lie on
-/// the ground, where they fit anyhow, and their median residual says nothing of the walls that tell.
-constexpr double kFarScale = 3, kFarthestScale = 6;
 constexpr int kFarIterations = 36;
 constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on Gaussian residuals
 
@@ -32,6 +29,32 @@ constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history says
 constexpr double kMostAtFirst = 0.7;  // a map of few scans is thin
 constexpr double kUsualShare = 0.8;
+
+/// By how much the points of a scan may be off where they are predicted: a standard deviation at this range,
+/// in metres.
+double displacement(const MotionPrior& prior, double range) {
+  const Matrix6 predicted = inverse(prior.information).topLeftCorner<6, 6>();
+  return std::sqrt((predicted.topLeftCorner<3, 3>().trace() +
+                    range * range * predicted.bottomRightCorner<3, 3>().trace()) /
+                   3);
+}
+
+/// Where the alignment mistook errors of normals for what holds the robot, the prediction says the rest.
+ScanAlignment corrected(const Attempt& attempt, double variance) {
+  const ScanAlignment& alignment = attempt.alignment;
+  const Observed seen =
+      observed(alignment.information.topLeftCorner<6, 6>() / variance, alignment.noise / variance,
+               inverse(attempt.prior.information).topLeftCorner<6, 6>());
+  ScanAlignment result = alignment;
+  const MovingPose& predicted = attempt.prior.mean;
+  result.moving.pose =
+      predicted.pose * se3_exp(seen.motion * se3_log(predicted.pose.inverse() * alignment.moving.pose));
+  result.moving.twist = predicted.twist + seen.motion * (alignment.moving.twist - predicted.twist);
+  Matrix12 both = Matrix12::Zero();
+  both.topLeftCorner<6, 6>() = both.bottomRightCorner<6, 6>() = seen.information;
+  result.information = both.transpose() * alignment.information * both;
+  return result;
+}
 
 }  // namespace
 
@@ -97,14 +120,11 @@ void Odometer::take_usual_from(const Odometer& other) {
 }
 
 ScanAlignmentOptions Odometer::options(double reach_m, Reach reach) const {
-  const bool far = reach != Reach::kNear;
+  const bool far = reach == Reach::kFar;
   ScanAlignmentOptions result;
   result.nu_min = kKernel * sigma_;
   result.nu_max = (far ? 20.0 : 8.0) * reach_m;
-  if (reach != Reach::kNear) {
-    result.nu_first = (reach == Reach::kFar ? kFarScale : kFarthestScale) * reach_m;
-    result.max_iterations = kFarIterations;
-  }
+  if (far) result.max_iterations = kFarIterations;
   result.gate_margin = (far ? 3.0 : 1.5) * reach_m;
   result.sigma = sigma_ * std::sqrt(inflation());
   result.threads = config_.threads;
@@ -116,8 +136,9 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
   attempt.prior = prior;
   MotionPrior local = prior;  // coordinates of the map are relative to its origin
   local.mean.pose.translation() -= map_.origin();
-  attempt.alignment = aligner_.align(scan.source, map_.target(), local,
-                                     options(std::max(scan.voxel, kReach * scan.median_range), reach));
+  ScanAlignmentOptions with = options(std::max(scan.voxel, kReach * scan.median_range), reach);
+  with.nu_first = displacement(prior, scan.median_range);
+  attempt.alignment = aligner_.align(scan.source, map_.target(), local, with);
   attempt.alignment.moving.pose.translation() += map_.origin();
   attempt.variance = sigma_ * sigma_ * inflation();
   attempt.health = health_.assess(aligner_.residuals(), aligner_.weights(), kKernel * sigma_,
@@ -145,7 +166,7 @@ void Odometer::accept(const Attempt& attempt) {
   const double seen = std::max(1.4826 * attempt.alignment.median_residual, kLeastSigma);
   sigma_ += 0.1 * (std::min(seen, 2.0 * sigma_) - sigma_);
   const double variance = sigma_ * sigma_ * inflation();
-  filter_.update(attempt.prior, attempt.alignment, variance);
+  filter_.update(attempt.prior, corrected(attempt, variance), variance);
   health_.remember(attempt.health);
 }
 

@@ -31,7 +31,7 @@ inline constexpr std::size_t kLookPoints = 400, kDeskewPoints = 800;
 
 /// How far an alignment looks for its surfaces: far where the prediction may be off, farther where that did
 /// not help.
-enum class Reach : std::int8_t { kNear, kFar, kFarthest };
+enum class Reach : std::int8_t { kNear, kFar };
 
 /// One alignment of a scan with the map, and what it is worth.
 struct Attempt {

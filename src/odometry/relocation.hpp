@@ -65,7 +65,9 @@ class Relocation {
   /// kRecovering, kAmbiguous or kLost.
   TrackingState state() const { return state_; }
   /// Whether the robot, which finds no place, goes on in what it has seen since: a map of its own.
-  bool in_new_map() const { return lost_ && excursion_ && excursion_->followed_s() >= config_.new_map_after_s; }
+  bool in_new_map() const {
+    return lost_ && excursion_ && excursion_->followed_s() >= config_.new_map_after_s;
+  }
   /// Only where it has one.
   const Excursion& excursion() const { return *excursion_; }
   /// An attempt that came to its end since the last call.

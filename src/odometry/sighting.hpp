@@ -24,7 +24,7 @@ Sighting sighting(std::int64_t utime, const PreparedScan& scan, const MovingPose
 /// How much of two scans in a row cannot have been seen from where they are said to be (0 to 1), whatever a
 /// map knows of either: the larger of the shares of the one that the other one says is not there. Some
 /// hundredths in streets with traffic, through doors and in shakes, more while a lorry passes close by, and
-/// 0.15 and more at another place that looks the same. 0 after more than three seconds, in which too much may
+/// 0.15 and more at another place that looks the same. 0 after more than four seconds, in which too much may
 /// have changed, and of planar sensors, whose few points say too little.
 double contradiction(const Sighting& before, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& now);

@@ -24,7 +24,8 @@ constexpr double kFitScore = 3.0;
 constexpr double kMoment = 0.35;  // seconds
 // A planar robot turns on the spot, by more between two scans than ICP can follow.
 constexpr double kTurns[] = {-0.2, 0.2, -0.4, 0.4, -0.6, 0.6, -0.8, 0.8};  // radians
-constexpr double kEarly = 2;      // times too soon after the last one: stamps of a sensor that has none of its own
+constexpr double kEarly =
+    2;  // times too soon after the last one: stamps of a sensor that has none of its own
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
@@ -152,8 +153,6 @@ struct Tracker::State {
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);
     Attempt far = odometer.align(part, loose, Reach::kFar);
-    if (far.health.score > kFitScore)
-      far = better(std::move(far), odometer.align(part, loose, Reach::kFarthest));
     if (scan.planar && far.health.score > kFitScore) {
       for (const double turn : kTurns) {
         MotionPrior turned = loose;

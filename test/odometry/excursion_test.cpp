@@ -34,7 +34,8 @@ TEST_CASE("an excursion finds its velocity where another was predicted") {
     for (double predicted : {-12.0, 0.0, 12.0}) {
       CAPTURE(velocity);
       CAPTURE(predicted);
-      CHECK(std::abs(found_velocity(velocity, predicted, 3) - velocity) < 0.5);
+      CHECK_MESSAGE(std::abs(found_velocity(velocity, predicted, 3) - velocity) < 0.5, velocity, " ",
+                    predicted, " ", found_velocity(velocity, predicted, 3));
     }
   }
 }

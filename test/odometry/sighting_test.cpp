@@ -32,7 +32,7 @@ TEST_CASE("two places contradict, but for those who do not know what was there a
   Sighting last = sighting(0, first, {here, Vector6::Zero()});
   CHECK(contradiction(last, 100000, second, {other, Vector6::Zero()}) < 0.02);
   CHECK(contradiction(last, 100000, second, {here, Vector6::Zero()}) > 3 * kMostContradiction);
-  CHECK(contradiction(last, 3100000, second, {here, Vector6::Zero()}) == 0);
+  CHECK(contradiction(last, 4100000, second, {here, Vector6::Zero()}) == 0);
   last.rays = {};
   CHECK(contradiction(last, 100000, second, {here, Vector6::Zero()}) == 0);
 }

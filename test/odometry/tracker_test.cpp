@@ -132,7 +132,7 @@ TEST_CASE("a planar sensor is followed in its plane, and what it cannot see is n
     CHECK(error.tail<3>().norm() < 0.5 * kDegree);
     CHECK(std::abs(tracked.map_from_body.translation().z()) < 1e-6);
     if (i == 0) continue;
-    CHECK(tracked.state == TrackingState::kDegraded);
+    CHECK(tracked.state == TrackingState::kTracking);
     CHECK(tracked.degenerate_axes == (4u | 8u | 16u));  // z, roll, pitch
     CHECK(tracked.covariance.allFinite());
   }
