@@ -21,7 +21,7 @@ constexpr double kSame = 0.2, kAtRest = 0.05;
 /// What a point without a surface costs, of what one far off its surface does: a moving robot sees new
 /// ground.
 constexpr double kUnmatched = 0.3;
-constexpr double kHardly = 1e-4;  // of the prior's information: neither pose nor velocity is known
+constexpr double kHardly = kLoose;
 
 double score(const Health& health) {
   return health.overlap * health.energy + kUnmatched * (1 - health.overlap);
