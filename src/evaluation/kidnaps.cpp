@@ -25,6 +25,13 @@ double degrees(const Pose& difference) {
   return so3_log(difference.linear()).norm() / kDegree;
 }
 
+const StampedState* said_at(const std::vector<StampedState>& states, double time_s) {
+  const auto found =
+      std::lower_bound(states.begin(), states.end(), time_s - kSameTime,
+                       [](const StampedState& state, double time) { return state.time_s < time; });
+  return found == states.end() || found->time_s > time_s + kSameTime ? nullptr : &*found;
+}
+
 /// The rotation nearest to the mean of R_reference R_estimate^T, and the translation that goes with it.
 /// Unlike a fit of the positions alone, it is sure on a straight way too. Rests on the poses that the
 /// estimate itself stands for: what drifts along a tunnel, and says so, tells nothing of the frame.
@@ -87,9 +94,12 @@ int count_wrong_jumps(const PosePairs& pairs, const Pose& alignment, const std::
                       const std::vector<Kidnap>& kidnaps) {
   int wrong = 0;
   bool wrong_now = false, beginning = true;
+  std::uint32_t epoch = 0;
   double last_error = 0, error_before = 0, kidnapped_s = -std::numeric_limits<double>::infinity();
   auto next = kidnaps.begin();
+  const PosePair* before = &pairs.front();
   for (const PosePair& pair : pairs) {
+    const PosePair* const last = std::exchange(before, &pair);
     for (; next != kidnaps.end() && next->time_s <= pair.time_s + kSameTime; ++next)
       kidnapped_s = next->time_s;
     const auto state = state_at(states, pair.time_s);
@@ -106,6 +116,12 @@ int count_wrong_jumps(const PosePairs& pairs, const Pose& alignment, const std::
       wrong_now = false;  // it says itself that it is lost
       continue;
     }
+    // Who goes on in a new map, without a jump, claims no place in the old one.
+    const std::uint32_t epoch_now = said_at(states, pair.time_s)->epoch;
+    const Pose way = last->reference.inverse() * pair.reference,
+               said = last->estimate.inverse() * pair.estimate;
+    if (std::exchange(epoch, epoch_now) != epoch_now && metres(way.inverse() * said) < kRise)
+      last_error = error;
     if (pair.time_s - kidnapped_s < kNoticedSeconds) continue;
     if (!wrong_now && error > kWrongMetres && error > last_error + kRise) {
       ++wrong;
@@ -144,11 +160,8 @@ std::vector<Kidnap> find_kidnaps(const Trajectory& reference) {
 }
 
 std::optional<TrackingState> state_at(const std::vector<StampedState>& states, double time_s) {
-  const auto found =
-      std::lower_bound(states.begin(), states.end(), time_s - kSameTime,
-                       [](const StampedState& state, double time) { return state.time_s < time; });
-  if (found == states.end() || found->time_s > time_s + kSameTime) return std::nullopt;
-  return found->state;
+  const StampedState* found = said_at(states, time_s);
+  return found != nullptr ? std::optional<TrackingState>(found->state) : std::nullopt;
 }
 
 KidnapReport examine_kidnaps(const Trajectory& reference, const PosePairs& pairs,

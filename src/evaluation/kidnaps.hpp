@@ -32,8 +32,9 @@ struct KidnapReport {
   /// none): what comes after must not bend it.
   Pose reference_from_estimate = Pose::Identity();
   /// Times the estimate came to be over kWrongMetres off while it claimed TRACKING, by a jump of over 1 m
-  /// between two claims; what it drifts while it says DEGRADED is none. A kidnap that is noticed within
-  /// kNoticedSeconds is none. Nothing where the states are not known.
+  /// between two claims; what it drifts while it says DEGRADED is none, nor a new epoch that begins where the
+  /// last pose led. A kidnap that is noticed within kNoticedSeconds is none. Nothing where the states are not
+  /// known.
   std::optional<int> wrong_jumps;
 };
 constexpr double kWrongMetres = 2.0, kNoticedSeconds = 0.35;

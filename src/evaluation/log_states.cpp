@@ -20,7 +20,8 @@ std::vector<StampedState> load_states(const std::string& source, const std::stri
     if (event->channel != channel) continue;
     const auto decoded = decode_odometry(event->data.data(), event->data.size());
     if (!decoded.ok()) continue;
-    states.push_back({static_cast<double>(decoded.value.tracked.utime) * 1e-6, decoded.value.tracked.state});
+    const TrackedScan& tracked = decoded.value.tracked;
+    states.push_back({static_cast<double>(tracked.utime) * 1e-6, tracked.state, tracked.epoch});
   }
   std::stable_sort(states.begin(), states.end(),
                    [](const StampedState& a, const StampedState& b) { return a.time_s < b.time_s; });

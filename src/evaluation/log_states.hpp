@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ namespace scanlock {
 struct StampedState {
   double time_s = 0;  ///< seconds, stamp of the scan
   TrackingState state = TrackingState::kInitialising;
+  std::uint32_t epoch = 0;
 };
 
 /// The channel on which scanlockd publishes what its poses are worth.

@@ -116,6 +116,21 @@ TEST_CASE("a claim to track elsewhere is one wrong jump") {
   CHECK_FALSE(report.kidnaps[0].recovery_s);
 }
 
+TEST_CASE("to go on in a new map is no wrong claim, unless it is the old epoch or a jump") {
+  const auto drive_on = [](std::uint32_t epoch, double jump_m) {
+    Drive drive = kidnapped_drive(100);
+    for (std::size_t i = 100; i < drive.states.size(); ++i) {
+      drive.states[i].state = TrackingState::kTracking;
+      drive.states[i].epoch = epoch;
+      drive.estimate[i].pose = drive.estimate[i].pose * exp6(0, jump_m, 0, 0, 0, 0);
+    }
+    return *examine(drive).wrong_jumps;
+  };
+  CHECK(drive_on(1, 0) == 0);
+  CHECK(drive_on(0, 0) == 1);
+  CHECK(drive_on(1, 10) == 1);
+}
+
 TEST_CASE("a kidnap that is not noticed is a wrong claim") {
   Drive drive = kidnapped_drive(100);
   for (StampedState& state : drive.states) state.state = TrackingState::kTracking;
