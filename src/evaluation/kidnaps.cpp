@@ -98,12 +98,13 @@ int count_wrong_jumps(const PosePairs& pairs, const Pose& alignment, const std::
   double last_error = 0, error_before = 0, kidnapped_s = -std::numeric_limits<double>::infinity();
   auto next = kidnaps.begin();
   const PosePair* before = &pairs.front();
+  Pose frame = alignment;
   for (const PosePair& pair : pairs) {
     const PosePair* const last = std::exchange(before, &pair);
     for (; next != kidnaps.end() && next->time_s <= pair.time_s + kSameTime; ++next)
       kidnapped_s = next->time_s;
     const auto state = state_at(states, pair.time_s);
-    const double error = metres(pair.reference.inverse() * (alignment * pair.estimate));
+    double error = metres(pair.reference.inverse() * (frame * pair.estimate));
     const double step = error - std::exchange(error_before, error);
     // A run that begins by tracking is at home, wherever what came later has laid its beginning.
     beginning = beginning && state == TrackingState::kInitialising;
@@ -116,12 +117,16 @@ int count_wrong_jumps(const PosePairs& pairs, const Pose& alignment, const std::
       wrong_now = false;  // it says itself that it is lost
       continue;
     }
-    // Who goes on in a new map, without a jump, claims no place in the old one.
+    // Who goes on in a new map, without a jump, claims no place in the old one: from here on its frame
+    // counts.
     const std::uint32_t epoch_now = said_at(states, pair.time_s)->epoch;
-    const Pose way = last->reference.inverse() * pair.reference,
-               said = last->estimate.inverse() * pair.estimate;
-    if (std::exchange(epoch, epoch_now) != epoch_now && metres(way.inverse() * said) < kRise)
-      last_error = error;
+    const Pose way = last->reference.inverse() * pair.reference;
+    const Pose said = last->estimate.inverse() * pair.estimate;
+    if (std::exchange(epoch, epoch_now) != epoch_now) {
+      const bool jumped = metres(way.inverse() * said) > kRise;
+      frame = jumped ? alignment : pair.reference * pair.estimate.inverse();
+      if (!jumped) error = last_error = error_before = 0;
+    }
     if (pair.time_s - kidnapped_s < kNoticedSeconds) continue;
     if (!wrong_now && error > kWrongMetres && error > last_error + kRise) {
       ++wrong;
