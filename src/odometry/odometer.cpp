@@ -21,6 +21,8 @@ constexpr double kVarianceInflation = 10;
 constexpr double kReach = 0.04;
 constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is better
 constexpr double kFirstSigma = 0.03;
+constexpr double kNearFirst = 3,
+                 kFarFirst = 6;  // times the reach: from farther off all is pulled to where most is
 constexpr int kFarIterations = 36;
 constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on Gaussian residuals
 
@@ -123,6 +125,7 @@ ScanAlignmentOptions Odometer::options(double reach_m, Reach reach) const {
   const bool far = reach == Reach::kFar;
   ScanAlignmentOptions result;
   result.nu_min = kKernel * sigma_;
+  result.nu_first = (far ? kFarFirst : kNearFirst) * reach_m;
   result.nu_max = (far ? 20.0 : 8.0) * reach_m;
   if (far) result.max_iterations = kFarIterations;
   result.gate_margin = (far ? 3.0 : 1.5) * reach_m;
@@ -137,7 +140,7 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
   MotionPrior local = prior;  // coordinates of the map are relative to its origin
   local.mean.pose.translation() -= map_.origin();
   ScanAlignmentOptions with = options(std::max(scan.voxel, kReach * scan.median_range), reach);
-  with.nu_first = displacement(prior, scan.median_range);
+  if (reach != Reach::kClose) with.nu_first = std::min(displacement(prior, scan.median_range), with.nu_first);
   attempt.alignment = aligner_.align(scan.source, map_.target(), local, with);
   attempt.alignment.moving.pose.translation() += map_.origin();
   attempt.variance = sigma_ * sigma_ * inflation();

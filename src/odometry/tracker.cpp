@@ -147,8 +147,13 @@ struct Tracker::State {
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
     if (distrusted_scans > 0) return odometer.probe(scan, prior, Reach::kNear);
     Attempt best = odometer.align(scan, prior, Reach::kNear);
-    const bool fits = best.health.score < kFitScore || usual_share(best.health);
-    if (explains(best, kJumpScore) && fits) return best;
+    const auto fits = [](const Attempt& attempt) {
+      return explains(attempt, kJumpScore) &&
+             (attempt.health.score < kFitScore || usual_share(attempt.health));
+    };
+    if (fits(best)) return best;
+    best = better(std::move(best), odometer.align(scan, prior, Reach::kClose));
+    if (fits(best)) return best;
     // A far look is dear, and a part of the points will do for it: the next scan must not wait.
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);
