@@ -161,7 +161,7 @@ struct Tracker::State {
     if (scan.planar && far.health.score > kFitScore) {
       for (const double turn : kTurns) {
         MotionPrior turned = loose;
-        turned.mean.pose.rotate(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+        turned.mean.pose.linear() = loose.mean.pose.linear() * rotation_about_z(turn);
         far = better(std::move(far), odometer.align(part, turned, Reach::kFar));
       }
     }
