@@ -13,7 +13,7 @@ namespace {
 
 // Speeds (m/s) along its x axis that a vehicle may have when it is first seen; ICP finds what is between
 // them.
-constexpr double kSpeeds[] = {0, -5, 5, -10, 10, -15, 15, -20, 20, -25, 25, -30, 30};
+constexpr double kSpeeds[] = {5, 10, 15, 20, 25, 30};  // and backwards
 constexpr int kRounds = 3;
 // Voxels by which points move from one scan to the next: by less than the first two motions are the same, or
 // it is none.
@@ -68,11 +68,13 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   MovingPose best = found_by(attempt);
   double least = std::numeric_limits<double>::infinity();
   std::vector<Vector6> tried;
+  // Whether it led anywhere new.
   const auto settle = [&](MovingPose second) {
     for (int round = 0; round < kRounds; ++round) second = found_by(align_from(second, part, kHardly));
     for (int round = 0; round < kRounds; ++round) {
       const Vector6 twist = second.twist;
-      if (std::any_of(tried.begin(), tried.end(), [&](const Vector6& t) { return same(t, twist); })) return;
+      if (std::any_of(tried.begin(), tried.end(), [&](const Vector6& t) { return same(t, twist); }))
+        return false;
       tried.push_back(twist);
       const Attempt aligned = align_from(second, all, kHardly);
       second = found_by(aligned);
@@ -81,8 +83,9 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
         least = score(aligned.health);
         best = second;
       }
-      return;
+      return true;
     }
+    return true;
   };
   const MovingPose rest{pose, Vector6::Zero()};
   const Attempt rested = align_from(rest, all, kHardly);
@@ -94,7 +97,12 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   settle(found_by(attempt));
   settle(rest);
   if (gapless && any_speed) {
-    for (const double speed : kSpeeds) settle(moving_at(speed * Vector6::Unit(0)));
+    // Where starts on both sides lead to what is known, those farther off are not tried.
+    for (const double speed : kSpeeds) {
+      const bool ahead = settle(moving_at(speed * Vector6::Unit(0)));
+      const bool behind = settle(moving_at(-speed * Vector6::Unit(0)));
+      if (!ahead && !behind) break;
+    }
   }
   const bool at_rest = best.twist.isZero();
   for (int round = 0; round < kRounds && !at_rest; ++round) best = found_by(align_from(best, all, kHardly));
