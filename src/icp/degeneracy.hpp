@@ -29,8 +29,8 @@ std::uint32_t open_axes(const Matrix6& information, const Matrix6& noise, const 
 
 /// What an alignment may take for seen, where errors of normals make a part of H that holds back what slides
 /// freely. Along a translation that has h of H, n of it noise, and p of the prediction, the alignment moved
-/// by h / (p + h) of what the scan says; with the information i = h - n that is real it would have been i /
-/// (p + i).
+/// by h / (p + h) of what the scan says; with the information i = h - 2 n that is surely real it would have
+/// been i / (p + i).
 struct Observed {
   Matrix6 motion;       ///< times what the alignment moved a pose from its prediction: what to take of it
   Matrix6 information;  ///< a square root of the share that is real: information^T H information is

@@ -256,7 +256,8 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
   StateVector x = StateVector::Zero(12);
   work.nu = options.nu_max;
   work.evaluate(x);
-  // Section 5: the first scale is three times the median residual at the start.
+  // Section 5: the first scale is three times the median residual at the start. Where most points lie on the
+  // ground, which fits anyhow, that says nothing of how far the others are off: nu_first does.
   work.nu = std::clamp(std::max(3.0 * work.median_absolute_residual(), options.nu_first), options.nu_min,
                        options.nu_max);
 

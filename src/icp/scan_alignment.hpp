@@ -49,9 +49,9 @@ struct AlignmentTarget {
 
 struct ScanAlignmentOptions {
   double nu_min = 0.05;  ///< metres, the last scale of the Welsch kernel
-  double nu_first = 0;   ///< metres, a lower bound of the first scale
-  double nu_max =
-      1.0;  ///< metres, an upper bound of the first scale, which is three times the median residual
+  double nu_first =
+      0;  ///< metres, a lower bound of the first scale, which is three times the median residual
+  double nu_max = 1.0;  ///< metres, an upper bound of it
   double gate_margin =
       0.5;  ///< metres: a source point pairs with a target point nearer than 3 nu + gate_margin
   double sigma =
@@ -75,7 +75,7 @@ struct ScanAlignment {
 };
 
 /// Robust point-to-plane ICP (algorithm 2) with two extensions: the unknown is the pose at the stamp *and*
-/// the velocity, so that the motion within the scan is solved and not only predicted, and a Gaussian prior
+/// the velocity, so that the motion within the scan is solved and not only predicted, and the prior
 /// joins them to the past. The energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2)
 /// prior_cost(e^T information e), with s_i the weight of the surface (0 where there is none), r_i the
 /// distance to it.

@@ -11,9 +11,9 @@
 namespace scanlock {
 namespace {
 
-// Speeds (m/s) along its x axis that a vehicle may have when it is first seen; ICP finds what is between
-// them.
-constexpr double kSpeeds[] = {5, 10, 15, 20, 25, 30};  // and backwards
+// Speeds (m/s) along its x axis, ahead and back, that a vehicle may have when it is first seen; ICP finds
+// what is between them.
+constexpr double kSpeeds[] = {5, 10, 15, 20, 25, 30};
 constexpr int kRounds = 3;
 // Voxels by which points move from one scan to the next: by less than the first two motions are the same, or
 // it is none.
@@ -21,7 +21,6 @@ constexpr double kSame = 0.2, kAtRest = 0.05;
 /// What a point without a surface costs, of what one far off its surface does: a moving robot sees new
 /// ground.
 constexpr double kUnmatched = 0.3;
-constexpr double kHardly = kLoose;
 
 double score(const Health& health) {
   return health.overlap * health.energy + kUnmatched * (1 - health.overlap);
@@ -50,12 +49,11 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   const auto found_by = [&](const Attempt& a) -> MovingPose {
     return gapless ? moving_at(se3_log(pose.inverse() * a.alignment.moving.pose) / dt) : a.alignment.moving;
   };
-  const auto align_from = [&](const MovingPose& second, const PreparedScan& points, double belief) {
+  const auto align_from = [&](const MovingPose& second, const PreparedScan& points) {
     map_.clear();
     insert(first_.utime, first, {pose, second.twist});
-    MotionPrior there = attempt.prior;
+    MotionPrior there = loosened(attempt.prior);
     there.mean = second;
-    there.information *= belief;
     return align(points, there, Reach::kNear);
   };
   const auto same = [&](const Vector6& a, const Vector6& b, double voxels = kSame) {
@@ -70,13 +68,13 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   std::vector<Vector6> tried;
   // Whether it led anywhere new.
   const auto settle = [&](MovingPose second) {
-    for (int round = 0; round < kRounds; ++round) second = found_by(align_from(second, part, kHardly));
+    for (int round = 0; round < kRounds; ++round) second = found_by(align_from(second, part));
     for (int round = 0; round < kRounds; ++round) {
       const Vector6 twist = second.twist;
       if (std::any_of(tried.begin(), tried.end(), [&](const Vector6& t) { return same(t, twist); }))
         return false;
       tried.push_back(twist);
-      const Attempt aligned = align_from(second, all, kHardly);
+      const Attempt aligned = align_from(second, all);
       second = found_by(aligned);
       if (!same(second.twist, twist)) continue;
       if (score(aligned.health) < least) {
@@ -88,7 +86,7 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
     return true;
   };
   const MovingPose rest{pose, Vector6::Zero()};
-  const Attempt rested = align_from(rest, all, kHardly);
+  const Attempt rested = align_from(rest, all);
   if (same(found_by(rested).twist, rest.twist, kAtRest)) {
     tried.push_back(rest.twist);
     least = score(rested.health);
@@ -105,8 +103,8 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
     }
   }
   const bool at_rest = best.twist.isZero();
-  for (int round = 0; round < kRounds && !at_rest; ++round) best = found_by(align_from(best, all, kHardly));
-  Attempt result = align_from(best, scan, kLoose);
+  for (int round = 0; round < kRounds && !at_rest; ++round) best = found_by(align_from(best, all));
+  Attempt result = align_from(best, scan);
   result.prior = attempt.prior;
   return result;
 }

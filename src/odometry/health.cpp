@@ -49,13 +49,9 @@ Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vec
   if (!residuals.empty())
     health.share = static_cast<double>(health.inliers) / static_cast<double>(residuals.size());
   health.young = count_ < kYoung;
-  health.grown = count_ >= kHistory;
   if (count_ > 0) {
     health.usual_share =
         median({shares_.begin(), shares_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, kHistory))});
-    health.last_share = 1;
-    for (std::size_t back = 1; back <= std::min(count_, kFew); ++back)
-      health.last_share = std::min(health.last_share, shares_[(count_ - back) % kHistory]);
     std::vector<double> recent(history_.begin(),
                                history_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, kHistory)));
     health.baseline = median(recent);

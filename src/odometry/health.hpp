@@ -14,13 +14,11 @@ struct Health {
   double overlap = 0;      ///< share of the source points that met a surface
   double baseline = 0;     ///< median of the recent energies
   bool young = true;       ///< there are but a few of them: the map is thin
-  bool grown = false;      ///< there are as many as are ever kept
   double rise = 0;         ///< of the energy over the baseline, in robust spreads of the recent ones
   double score = 0;        ///< z-score: the same, or in units of chance where those are larger
   int inliers = 0;         ///< source points within three scales of their surface
   double share = 0;        ///< of the source points, the inliers
   double usual_share = 0;  ///< median of the recent ones
-  double last_share = 0;   ///< the least of the last few: between two scans little new comes into view
 };
 
 /// What chance does to the energy of a whole scan of a planar sensor.
@@ -41,7 +39,7 @@ class HealthMonitor {
   bool has_history() const { return count_ > 0; }
 
  private:
-  static constexpr std::size_t kHistory = 50, kFew = 3, kYoung = 5;  // scans
+  static constexpr std::size_t kHistory = 50, kYoung = 5;  // scans
   std::array<double, kHistory> history_{}, shares_{};
   std::size_t count_ = 0;  ///< remembered since the last forget
 };

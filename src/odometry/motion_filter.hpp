@@ -59,8 +59,10 @@ Matrix12 prior_information(double metres, double radians, const Matrix12& covari
 /// How far a moving pose is from a prior: the squared Mahalanobis distance of its twelve numbers.
 double squared_gap(const MotionPrior& prior, const MovingPose& moving);
 
+/// The covariance of its pose, the velocity being whatever it may: metres and radians, in the body frame.
+Matrix6 pose_covariance(const MotionPrior& prior);
+
 /// The same prior, believed a hundredth as much: for another try where it did not explain the scan.
-inline constexpr double kLoose = 0.01;
 MotionPrior loosened(MotionPrior prior);
 
 }  // namespace scanlock

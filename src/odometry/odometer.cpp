@@ -35,7 +35,7 @@ constexpr double kUsualShare = 0.8;
 /// By how much the points of a scan may be off where they are predicted: a standard deviation at this range,
 /// in metres.
 double displacement(const MotionPrior& prior, double range) {
-  const Matrix6 predicted = inverse(prior.information).topLeftCorner<6, 6>();
+  const Matrix6 predicted = pose_covariance(prior);
   return std::sqrt((predicted.topLeftCorner<3, 3>().trace() +
                     range * range * predicted.bottomRightCorner<3, 3>().trace()) /
                    3);
@@ -44,9 +44,8 @@ double displacement(const MotionPrior& prior, double range) {
 /// Where the alignment mistook errors of normals for what holds the robot, the prediction says the rest.
 ScanAlignment corrected(const Attempt& attempt, double variance) {
   const ScanAlignment& alignment = attempt.alignment;
-  const Observed seen =
-      observed(alignment.information.topLeftCorner<6, 6>() / variance, alignment.noise / variance,
-               inverse(attempt.prior.information).topLeftCorner<6, 6>());
+  const Observed seen = observed(alignment.information.topLeftCorner<6, 6>() / variance,
+                                 alignment.noise / variance, pose_covariance(attempt.prior));
   ScanAlignment result = alignment;
   const MovingPose& predicted = attempt.prior.mean;
   result.moving.pose =
@@ -61,9 +60,8 @@ ScanAlignment corrected(const Attempt& attempt, double variance) {
 }  // namespace
 
 std::uint32_t Attempt::open_axes() const {
-  const Matrix6 predicted = inverse(prior.information).topLeftCorner<6, 6>();
   return scanlock::open_axes(alignment.information.topLeftCorner<6, 6>() / variance,
-                             alignment.noise / variance, predicted);
+                             alignment.noise / variance, pose_covariance(prior));
 }
 
 Odometer::Odometer(const TrackerConfig& config)
@@ -121,11 +119,15 @@ void Odometer::take_usual_from(const Odometer& other) {
   share_ = other.share_;
 }
 
-ScanAlignmentOptions Odometer::options(double reach_m, Reach reach) const {
+ScanAlignmentOptions Odometer::options(const PreparedScan& scan, const MotionPrior& prior,
+                                       Reach reach) const {
   const bool far = reach == Reach::kFar;
+  const double reach_m = std::max(scan.voxel, kReach * scan.median_range);
   ScanAlignmentOptions result;
   result.nu_min = kKernel * sigma_;
-  result.nu_first = (far ? kFarFirst : kNearFirst) * reach_m;
+  if (reach != Reach::kClose)
+    result.nu_first =
+        std::min(displacement(prior, scan.median_range), (far ? kFarFirst : kNearFirst) * reach_m);
   result.nu_max = (far ? 20.0 : 8.0) * reach_m;
   if (far) result.max_iterations = kFarIterations;
   result.gate_margin = (far ? 3.0 : 1.5) * reach_m;
@@ -139,11 +141,9 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
   attempt.prior = prior;
   MotionPrior local = prior;  // coordinates of the map are relative to its origin
   local.mean.pose.translation() -= map_.origin();
-  ScanAlignmentOptions with = options(std::max(scan.voxel, kReach * scan.median_range), reach);
-  if (reach != Reach::kClose) with.nu_first = std::min(displacement(prior, scan.median_range), with.nu_first);
-  attempt.alignment = aligner_.align(scan.source, map_.target(), local, with);
+  attempt.alignment = aligner_.align(scan.source, map_.target(), local, options(scan, prior, reach));
   attempt.alignment.moving.pose.translation() += map_.origin();
-  attempt.variance = sigma_ * sigma_ * inflation();
+  attempt.variance = variance();
   attempt.health = health_.assess(aligner_.residuals(), aligner_.weights(), kKernel * sigma_,
                                   map_.planar() ? planar_chance(scan.whole) : 0.0);
   return attempt;
@@ -164,12 +164,15 @@ double Odometer::inflation() const {
   return kVarianceInflation / (share_ * share_ * share_);
 }
 
+double Odometer::variance() const {
+  return sigma_ * sigma_ * inflation();
+}
+
 void Odometer::accept(const Attempt& attempt) {
   share_ += 0.3 * (std::max(attempt.health.share, kLeastShare) - share_);
   const double seen = std::max(1.4826 * attempt.alignment.median_residual, kLeastSigma);
   sigma_ += 0.1 * (std::min(seen, 2.0 * sigma_) - sigma_);
-  const double variance = sigma_ * sigma_ * inflation();
-  filter_.update(attempt.prior, corrected(attempt, variance), variance);
+  filter_.update(attempt.prior, corrected(attempt, variance()), variance());
   health_.remember(attempt.health);
 }
 

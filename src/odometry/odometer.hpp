@@ -97,7 +97,7 @@ class Odometer {
   const Matrix12& covariance() const { return filter_.covariance(); }
 
  private:
-  ScanAlignmentOptions options(double reach_m, Reach reach) const;
+  ScanAlignmentOptions options(const PreparedScan& scan, const MotionPrior& prior, Reach reach) const;
   void insert(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving);
   bool wants_keyframe(double overlap, double voxel) const;
 
@@ -108,7 +108,8 @@ class Odometer {
   HealthMonitor health_;
   /// Of a residual's variance: what is left unexplained by planes and lines bends what is explained.
   double inflation() const;
-  double share_ = 1;  ///< of a scan that is explained, smoothed
+  double variance() const;  ///< m^2, of a residual as the filter sees it
+  double share_ = 1;        ///< of a scan that is explained, smoothed
 
   double sigma_;  ///< metres, of a residual: robust, smoothed
   Pose last_keyframe_pose_ = Pose::Identity();

@@ -91,19 +91,6 @@ CroppedScan crop(const PointCloud& points, double min_range, double max_range) {
   return result;
 }
 
-bool looks_around(const PointCloud& points) {
-  constexpr int kSectors = 8, kMostEmpty = 2;
-  constexpr double kShare = 0.01;  // of all points, thinned: a wall close by has few of them
-  std::array<std::size_t, kSectors> counts{};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const bool left = points.y[i] > 0, ahead = points.x[i] > 0,
-               wide = std::abs(points.y[i]) > std::abs(points.x[i]);
-    ++counts[static_cast<std::size_t>(4 * left + 2 * ahead + wide)];
-  }
-  const auto least = static_cast<std::size_t>(kShare * static_cast<double>(points.size()));
-  return std::count_if(counts.begin(), counts.end(), [&](std::size_t n) { return n <= least; }) <= kMostEmpty;
-}
-
 std::string why_too_few(const PointCloud& points, const CroppedScan& cropped, double min_range,
                         double max_range) {
   std::vector<float> ranges;

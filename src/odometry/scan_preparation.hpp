@@ -46,9 +46,6 @@ struct PreparedScan {
   std::size_t whole = 0;    ///< points of the source, also of one that this is a part of
   bool planar = false;      ///< all its points lie in the plane of x and y: that is all the sensor sees
 };
-/// Whether there are points on all sides (of the z axis), but for a quarter at most.
-bool looks_around(const PointCloud& points);
-
 /// Why too few points of a scan are left to align, in words for who set the ranges (metres).
 std::string why_too_few(const PointCloud& points, const CroppedScan& cropped, double min_range,
                         double max_range);

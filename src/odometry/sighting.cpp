@@ -18,7 +18,6 @@ Sighting sighting(std::int64_t utime, const PreparedScan& scan, const MovingPose
   Sighting result;
   result.map_from_body = moving.pose;
   result.utime = utime;
-  result.looked_around = looks_around(scan.source);
   result.twist = moving.twist;
   result.source = scan.source;
   result.rays = scan.rays;

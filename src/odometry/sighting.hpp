@@ -13,8 +13,7 @@ namespace scanlock {
 /// Where a body was for sure, when, and what it saw there.
 struct Sighting {
   Pose map_from_body = Pose::Identity();
-  std::int64_t utime = 0;  ///< microseconds
-  bool looked_around = false;
+  std::int64_t utime = 0;           ///< microseconds
   Vector6 twist = Vector6::Zero();  ///< the motion that bends what follows
   PointCloud source, rays;          ///< of the scan, as they came; empty where it is no witness
 };

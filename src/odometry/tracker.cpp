@@ -137,7 +137,6 @@ struct Tracker::State {
     last_trusted = Sighting();
     last_trusted.map_from_body = start_pose;
     last_trusted.utime = now;
-    last_trusted.looked_around = looks_around(scan.source);
     distrusted_scans = 0;
     state = TrackingState::kInitialising;
   }
@@ -190,7 +189,7 @@ struct Tracker::State {
   /// place, it has to be where it was predicted.
   bool plausible(const Attempt& attempt) const {
     if (gap(attempt) > (distrusted_scans > 0 ? kUnusualGap : kMostGap)) return false;
-    const Matrix12 covariance = inverse(attempt.prior.information);
+    const Matrix6 covariance = pose_covariance(attempt.prior);
     const double metres = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
     const double radians = std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
     const Pose &found = attempt.alignment.moving.pose, &predicted = attempt.prior.mean.pose;
