@@ -67,9 +67,8 @@ bool Excursion::is_bent(const Vector6& velocity, const Vector6& way) {
 void Excursion::coast(double dt) {
   blind_s_ += dt;
   if (blind_s_ > kCoastSeconds) followed_s_ = 0;
-  MotionPrior prior = odometer_.predict(dt);
-  if (blind_s_ > kCoastSeconds) prior.mean.twist.setZero();
-  odometer_.coast(prior);
+  odometer_.coast(odometer_.predict(dt));
+  if (blind_s_ > kCoastSeconds) odometer_.stand();
 }
 
 void Excursion::note_up(const Eigen::Vector3d& up_in_body) {

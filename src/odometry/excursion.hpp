@@ -35,6 +35,8 @@ class Excursion {
   int scans() const { return scans_; }
   /// Seconds that it has followed scans that fit each other.
   double followed_s() const { return followed_s_; }
+  /// Whether the last scan had no points to follow.
+  bool blind() const { return blind_s_ > 0; }
   /// Of the last scan that was followed.
   const Attempt& attempt() const { return attempt_; }
 

@@ -85,7 +85,7 @@ MotionPrior MotionFilter::predict(double dt, const Pose& motion) const {
 
 void MotionFilter::update(const MotionPrior& prior, const ScanAlignment& alignment, double variance) {
   state_ = {renormalised(alignment.moving.pose), alignment.moving.twist};
-  mean_twist_ += (1 - exp(-prior.ahead_s / kMeanOver)) * (state_.twist - mean_twist_);
+  follow_mean(prior.ahead_s);
   // That a prediction was met says nothing more of where no data did.
   const double weight = std::min(prior_weight(squared_gap(prior, alignment.moving)), 1.0);
   covariance_ = inverse(Matrix12(weight * prior.information + alignment.information / variance));
@@ -93,7 +93,17 @@ void MotionFilter::update(const MotionPrior& prior, const ScanAlignment& alignme
 
 void MotionFilter::coast(const MotionPrior& prior) {
   state_ = prior.mean;
+  follow_mean(prior.ahead_s);
   covariance_ = inverse(prior.information);
+}
+
+void MotionFilter::stand() {
+  state_.twist.setZero();
+  mean_twist_.setZero();
+}
+
+void MotionFilter::follow_mean(double seconds) {
+  mean_twist_ += (1 - exp(-seconds / kMeanOver)) * (state_.twist - mean_twist_);
 }
 
 Matrix12 prior_information(double metres, double radians, const Matrix12& covariance) {

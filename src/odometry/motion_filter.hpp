@@ -34,12 +34,16 @@ class MotionFilter {
 
   /// Takes the prediction for the state: nothing was seen.
   void coast(const MotionPrior& prior);
+  /// From now on it is predicted as standing; what the velocity may be is as uncertain as before.
+  void stand();
 
   const MovingPose& state() const { return state_; }
   /// Of [pose error; twist error] as in MotionPrior.
   const Matrix12& covariance() const { return covariance_; }
 
  private:
+  void follow_mean(double seconds);
+
   static constexpr double kManoeuvre = 0.3;  // seconds
   /// Seconds in which a velocity along z, about x or y is back at its mean but for 1/e: steps and springs
   /// swing at 1 to 2 Hz. And those over which the mean is taken: longer than a step, shorter than a ramp or a

@@ -88,6 +88,8 @@ class Odometer {
   void accept(const Attempt& attempt);
   /// The state becomes the prediction: nothing was learnt.
   void coast(const MotionPrior& prior) { filter_.coast(prior); }
+  /// Nothing was seen for long: it is predicted as standing from now on.
+  void stand() { filter_.stand(); }
   /// The scan joins the map where it shows new ground.
   void keep(std::int64_t utime, const PreparedScan& scan, double overlap);
 

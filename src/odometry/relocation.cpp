@@ -71,13 +71,13 @@ Relocation::Outcome Relocation::follow(std::int64_t utime, double dt, const Prep
   } else {
     feel(utime, scan, odometer, attempt);
   }
-  if (outcome == Outcome::kLost) follow_excursion(odometer);
+  if (outcome == Outcome::kLost) follow_excursion(dt, odometer);
   return outcome;
 }
 
 void Relocation::coast(double dt, Odometer& odometer) {
   excursion_->coast(dt);
-  follow_excursion(odometer);
+  follow_excursion(dt, odometer);
 }
 
 /// Where the excursion begins anew the gate widens by what may have happened unseen.
@@ -98,8 +98,9 @@ void Relocation::depart_or_follow(std::int64_t utime, double dt, const PreparedS
 
 /// The state is where the robot would be, had it not been lost. It knows its way, so that the prediction does
 /// not get worse.
-void Relocation::follow_excursion(Odometer& odometer) const {
+void Relocation::follow_excursion(double dt, Odometer& odometer) const {
   MotionPrior prior = odometer.predict(0);
+  prior.ahead_s = dt;
   prior.mean = excursion_->state();
   odometer.coast(prior);
 }

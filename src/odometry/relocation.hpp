@@ -83,7 +83,7 @@ class Relocation {
   void feel(std::int64_t utime, const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
   Outcome confirm(const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
   void refuse(const std::string& why);
-  void follow_excursion(Odometer& odometer) const;
+  void follow_excursion(double dt, Odometer& odometer) const;
   void cover(const std::vector<Pose>& places, const KeyframeArchive& archive, double voxel,
              Odometer& odometer) const;
   std::vector<Pose> rivals_of(const RecoveryAnswer& answer) const;

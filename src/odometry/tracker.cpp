@@ -59,6 +59,7 @@ struct Tracker::State {
 
   TrackingState state = TrackingState::kInitialising;
   std::uint32_t epoch = 0;
+  bool epoch_of_new_map = false;  // poses that were told in this epoch are in another map than the odometer's
   ScanClock clock;
   std::int64_t last_utime = 0;  // stamp
   // Microseconds that advance whatever the stamps do; they are the stamps, until the clock steps.
@@ -267,9 +268,8 @@ struct Tracker::State {
 
   /// Nothing was learnt: the prediction stands in, and is not believed for long.
   void coast(const MotionPrior& prior) {
-    MotionPrior coasting = prior;
-    if (unseen_s() > kCoastSeconds) coasting.mean.twist.setZero();
-    odometer.coast(coasting);
+    odometer.coast(prior);
+    if (unseen_s() > kCoastSeconds) odometer.stand();
     ++distrusted_scans;
     if (state == TrackingState::kInitialising || relocation.lost()) return;
     state = TrackingState::kDegraded;
@@ -281,29 +281,34 @@ struct Tracker::State {
   void track_lost(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
     if (!relocation.has_excursion()) coast(predict());
     Attempt attempt;
-    const bool was_in_new_map = relocation.in_new_map();
+    const bool was_in_new_map = in_new_map();
     const Relocation::Outcome outcome = relocation.follow(now, dt, scan, odometer, &attempt);
     if (hints.level_from_body) relocation.note_up(up_in_body(hints));
     finished(Stage::kAlign);
     if (outcome == Relocation::Outcome::kLost) {
-      if (localised && relocation.in_new_map()) {
+      if (in_new_map()) {
         if (!was_in_new_map) ++epoch;
+        epoch_of_new_map = true;
         describe(relocation.excursion().attempt(), PoseMethod::kIcp, tracked);
       } else {
         describe(attempt, PoseMethod::kPredicted, tracked);
       }
       return;
     }
-    const bool jumped = outcome == Relocation::Outcome::kFound || was_in_new_map;
-    if (jumped) ++epoch;
+    const bool found = outcome == Relocation::Outcome::kFound;
+    if (found || epoch_of_new_map) ++epoch;
+    epoch_of_new_map = false;
     // On new ground it must grow at once, or the robot has left it.
     quiet_scans_left = usual_share(attempt.health) ? kQuietScans : 0;
     // The next scans cost what this one does: in a map of archived keyframes, which are thinner, or on new
     // ground that is more than before.
     if (!explains(attempt, kCalmScore)) odometer.forget_usual();
     believe(scan, attempt);
-    describe(attempt, jumped ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
+    describe(attempt, found ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
   }
+
+  /// Not where a map was given: until a place in it is believed, there is no pose.
+  bool in_new_map() const { return localised && relocation.in_new_map(); }
 
   void lose() { relocation.begin(odometer, last_trusted, looks_alike, archive); }
 
@@ -324,7 +329,8 @@ struct Tracker::State {
   }
 
   TrackingState reported_state() const {
-    if (localised && relocation.in_new_map()) return TrackingState::kTracking;
+    if (in_new_map())
+      return relocation.excursion().blind() ? TrackingState::kDegraded : TrackingState::kTracking;
     return relocation.lost() ? relocation.state() : state;
   }
 
@@ -341,7 +347,8 @@ struct Tracker::State {
     tracked->localised = localised;
     tracked->map_from_body = map_from_own * odometer.state().pose;
     tracked->twist = odometer.state().twist;
-    tracked->covariance = odometer.covariance().topLeftCorner<6, 6>();
+    const Matrix12& covariance = in_new_map() ? relocation.excursion().covariance() : odometer.covariance();
+    tracked->covariance = covariance.topLeftCorner<6, 6>();
     tracked->keyframes = static_cast<int>(odometer.map().keyframes().size());
     tracked->map_points = static_cast<int>(odometer.map().size());
     tracked->recovery = relocation.take_ended();
@@ -403,7 +410,7 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
   } else {
     s.track_on(prepared, hints, &tracked);
   }
-  if (tracked.method == PoseMethod::kIcp) s.note_attitude(hints);
+  if (tracked.method == PoseMethod::kIcp && !s.relocation.lost()) s.note_attitude(hints);
   s.report(&tracked);
   s.finished(Stage::kMap);
   return tracked;
@@ -444,6 +451,7 @@ void Tracker::set_pose(const Pose& map_from_body) {
   s.last_trusted.utime = s.now;
   s.begun = false;
   s.localised = true;
+  s.epoch_of_new_map = false;
   if (!s.archive.knows(here.translation())) {  // a new start
     s.state = TrackingState::kInitialising;
     return;
