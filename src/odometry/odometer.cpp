@@ -125,9 +125,8 @@ ScanAlignmentOptions Odometer::options(const PreparedScan& scan, const MotionPri
   const double reach_m = std::max(scan.voxel, kReach * scan.median_range);
   ScanAlignmentOptions result;
   result.nu_min = kKernel * sigma_;
-  if (reach != Reach::kClose)
-    result.nu_first =
-        std::min(displacement(prior, scan.median_range), (far ? kFarFirst : kNearFirst) * reach_m);
+  result.nu_first =
+      std::min(displacement(prior, scan.median_range), (far ? kFarFirst : kNearFirst) * reach_m);
   result.nu_max = (far ? 20.0 : 8.0) * reach_m;
   if (far) result.max_iterations = kFarIterations;
   result.gate_margin = (far ? 3.0 : 1.5) * reach_m;

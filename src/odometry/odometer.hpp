@@ -29,9 +29,9 @@ inline constexpr double kCoastSeconds = 3.0;
 // Points of a scan that tell whether it fits at all, and how the robot moved.
 inline constexpr std::size_t kLookPoints = 400, kDeskewPoints = 800;
 
-/// How far an alignment looks for its surfaces: as far as the prediction may be off, farther where it is not
-/// believed, and only as far as most points are off where a wide look finds another minimum.
-enum class Reach : std::int8_t { kClose, kNear, kFar };
+/// How far an alignment looks for its surfaces: as far as the prediction may be off, or farther where it is not
+/// believed.
+enum class Reach : std::int8_t { kNear, kFar };
 
 /// One alignment of a scan with the map, and what it is worth.
 struct Attempt {

@@ -152,8 +152,6 @@ struct Tracker::State {
              (attempt.health.score < kFitScore || usual_share(attempt.health));
     };
     if (fits(best)) return best;
-    best = better(std::move(best), odometer.align(scan, prior, Reach::kClose));
-    if (fits(best)) return best;
     // A far look is dear, and a part of the points will do for it: the next scan must not wait.
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);
