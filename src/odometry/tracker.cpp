@@ -24,8 +24,6 @@ constexpr double kFitScore = 3.0;
 constexpr double kMoment = 0.35;  // seconds
 // A planar robot turns on the spot, by more between two scans than ICP can follow.
 constexpr double kTurns[] = {-0.2, 0.2, -0.4, 0.4, -0.6, 0.6, -0.8, 0.8};  // radians
-constexpr double kEarly =
-    2;  // times too soon after the last one: stamps of a sensor that has none of its own
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
@@ -98,7 +96,7 @@ struct Tracker::State {
       return hints.motion ? odometer.predict(seconds, *hints.motion) : odometer.predict(seconds);
     };
     MotionPrior prior = after(dt);
-    if (most_dt > kEarly * dt) prior.information = after(most_dt).information;
+    if (most_dt > dt) prior.information = after(most_dt).information;
     return prior;
   }
 
@@ -121,7 +119,7 @@ struct Tracker::State {
     timed = true;
     last_utime = scan.utime;
     dt = begun ? reading.elapsed_s : 0.0;
-    most_dt = begun ? std::max(reading.most_elapsed_s, clock.period_s()) : 0.0;  // a stamp may be early
+    most_dt = begun ? reading.most_elapsed_s : 0.0;
     return true;
   }
 
