@@ -26,6 +26,9 @@ constexpr double kNearFirst = 3,
 constexpr int kFarIterations = 36;
 constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on Gaussian residuals
 
+/// Radians: a planar robot turns on the spot, by more between two scans than ICP can follow.
+constexpr double kTurns[] = {-0.2, 0.2, -0.4, 0.4, -0.6, 0.6, -0.8, 0.8};
+
 constexpr double kLeastShare = 0.3;
 constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history says
@@ -148,8 +151,21 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
   return attempt;
 }
 
+Attempt Odometer::look_far(const PreparedScan& scan, const MotionPrior& prior) {
+  Attempt best = align(scan, prior, Reach::kFar);
+  if (!map_.planar() || best.health.score <= kCalmScore) return best;
+  for (const double turn : kTurns) {
+    MotionPrior turned = prior;
+    turned.mean.pose.linear() = prior.mean.pose.linear() * rotation_about_z(turn);
+    best = better(std::move(best), align(scan, turned, Reach::kFar));
+  }
+  best.prior = prior;
+  return best;
+}
+
 Attempt Odometer::probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach) {
-  Attempt part = align(part_of(scan, kLookPoints), prior, reach);
+  const PreparedScan few = part_of(scan, kLookPoints);
+  Attempt part = reach == Reach::kFar ? look_far(few, prior) : align(few, prior, reach);
   if (!explains(part, kHopelessScore)) return part;
   if (reach == Reach::kNear) return align(scan, prior, reach);
   MotionPrior arrived = prior;  // the part went the far way already

@@ -74,6 +74,9 @@ class Odometer {
   MotionPrior predict(double dt) const { return filter_.predict(dt); }
   MotionPrior predict(double dt, const Pose& motion) const { return filter_.predict(dt, motion); }
   Attempt align(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
+  /// The same with the far reach; of a planar scan from other headings as well, where that does not explain
+  /// it.
+  Attempt look_far(const PreparedScan& scan, const MotionPrior& prior);
   /// The same where success is unlikely: a part of the points is tried first, and when that does not come
   /// near to explaining itself, it is what comes back. An alignment that fails takes the longest of all.
   Attempt probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach);

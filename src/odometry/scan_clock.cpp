@@ -31,14 +31,12 @@ double ScanClock::period_s() const {
   return known > 0 ? sorted[static_cast<std::size_t>(known / 2)] : 0.0;
 }
 
-/// Stamps that were not taken by the sensor but when some process got to it say when scans came on average
-/// only.
+/// No sensor takes scans in half its period: stamps so near each other were not taken by it but when some
+/// process got to it, and say when scans came on average only. (Longer intervals are scans that were lost.)
 bool ScanClock::irregular() const {
   if (periods_noted_ < kPeriods) return false;
-  const double usual = period_s();
-  return 2 * std::count_if(periods_.begin(), periods_.end(),
-                           [&](double s) { return std::abs(s - usual) > 0.5 * usual; }) >
-         kPeriods;
+  const double shortest = 0.5 * period_s();
+  return std::count_if(periods_.begin(), periods_.end(), [&](double s) { return s < shortest; }) >= kTooShort;
 }
 
 double ScanClock::mean_period_s() const {
@@ -69,7 +67,10 @@ ScanClock::Reading ScanClock::accept(const Scan& scan) {
   if (clock_.scans > 0) {
     reading.elapsed_s = reading.most_elapsed_s = difference_s(scan.utime, clock_.last);
     note_period(reading.elapsed_s);
-    if (irregular()) reading.elapsed_s = reading.most_elapsed_s = mean_period_s();
+    if (irregular()) {
+      reading.elapsed_s = mean_period_s();
+      reading.most_elapsed_s = std::max(reading.elapsed_s, reading.most_elapsed_s);
+    }
   }
   extend(clock_, scan);
   rejected_ = {};
@@ -82,8 +83,9 @@ ScanClock::Reading ScanClock::step() {
   reading.last_utime = clock_.last;
   const double seen = difference_s(rejected_.last, rejected_.first);
   const double period = periods_noted_ > 0 ? period_s() : seen / (kScansOfAStep - 1);
-  reading.elapsed_s = seen + period;
-  reading.most_elapsed_s = std::max(reading.elapsed_s, kLongestGap);
+  reading.elapsed_s = irregular() ? kScansOfAStep * mean_period_s() : seen + period;
+  // Irregular stamps step without any cause.
+  reading.most_elapsed_s = irregular() ? reading.elapsed_s : std::max(reading.elapsed_s, kLongestGap);
   clock_ = rejected_;
   rejected_ = other_ = {};
   return reading;

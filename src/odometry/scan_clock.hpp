@@ -56,7 +56,7 @@ class ScanClock {
   double mean_period_s() const;
   void note_period(double seconds);
 
-  static constexpr int kPeriods = 9;
+  static constexpr int kPeriods = 31, kTooShort = 3;
   std::array<double, kPeriods> periods_{};  ///< the last ones between two scans that were taken, a ring
   int periods_noted_ = 0;
   Chain clock_;     ///< of the scans that are taken

@@ -20,10 +20,7 @@ namespace {
 
 constexpr double kMicro = 1e-6;
 
-constexpr double kFitScore = 3.0;
 constexpr double kMoment = 0.35;  // seconds
-// A planar robot turns on the spot, by more between two scans than ICP can follow.
-constexpr double kTurns[] = {-0.2, 0.2, -0.4, 0.4, -0.6, 0.6, -0.8, 0.8};  // radians
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
@@ -147,20 +144,13 @@ struct Tracker::State {
     Attempt best = odometer.align(scan, prior, Reach::kNear);
     const auto fits = [](const Attempt& attempt) {
       return explains(attempt, kJumpScore) &&
-             (attempt.health.score < kFitScore || usual_share(attempt.health));
+             (attempt.health.score < kCalmScore || usual_share(attempt.health));
     };
     if (fits(best)) return best;
     // A far look is dear, and a part of the points will do for it: the next scan must not wait.
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);
-    Attempt far = odometer.align(part, loose, Reach::kFar);
-    if (scan.planar && far.health.score > kFitScore) {
-      for (const double turn : kTurns) {
-        MotionPrior turned = loose;
-        turned.mean.pose.linear() = loose.mean.pose.linear() * rotation_about_z(turn);
-        far = better(std::move(far), odometer.align(part, turned, Reach::kFar));
-      }
-    }
+    Attempt far = odometer.look_far(part, loose);
     const bool moved =
         !near(prior.mean.pose, last_trusted.map_from_body, kWithinReach * scan.median_range, kWithinTurn);
     if (moved && !explains(far, kJumpScore)) {
