@@ -28,8 +28,9 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
   if (!explains(attempt, kJumpScore)) {
     attempt = better(std::move(attempt), odometer_.probe(scan, loosened(prior), Reach::kFar));
   }
-  if (!explains(attempt, kJumpScore)) {
-    begin_anew(utime, scan, prior.mean);
+  if (!explains(attempt, kJumpScore) || squared_gap(prior, attempt.alignment.moving) > kMostGap) {
+    // A velocity that did not meet the scan is worth no more than none.
+    begin_anew(utime, scan, {prior.mean.pose, scans_ == 1 ? Vector6::Zero() : prior.mean.twist});
     return false;
   }
   const MovingPose before = odometer_.state();

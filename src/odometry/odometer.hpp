@@ -23,6 +23,10 @@ inline constexpr std::size_t kLeastPoints = 30;
 inline constexpr double kJumpScore = 6.0;
 inline constexpr double kCalmScore = 4.0;  ///< hysteresis: what a lost robot must get below
 
+/// How far pose and velocity are from their prediction, squared: drives stay below 3, shakes below 25; kidnaps
+/// to a place that looks alike had 35 and 190.
+inline constexpr double kMostGap = 30;
+
 /// A robot that sees nothing is predicted at its last velocity for so long, then as standing.
 inline constexpr double kCoastSeconds = 3.0;
 

@@ -25,17 +25,22 @@ double difference_s(std::int64_t a, std::int64_t b) {
 }  // namespace
 
 double ScanClock::period_s() const {
+  return period_quantile_s(0.5);
+}
+
+double ScanClock::period_quantile_s(double share) const {
   std::array<double, kPeriods> sorted = periods_;
   const int known = std::min(periods_noted_, kPeriods);
   std::sort(sorted.begin(), sorted.begin() + known);
-  return known > 0 ? sorted[static_cast<std::size_t>(known / 2)] : 0.0;
+  return known > 0 ? sorted[static_cast<std::size_t>(share * known)] : 0.0;
 }
 
-/// No sensor takes scans in half its period: stamps so near each other were not taken by it but when some
-/// process got to it, and say when scans came on average only. (Longer intervals are scans that were lost.)
+/// No sensor takes scans in a quarter of its period: stamps so near each other were not taken by it but when
+/// some process got to it, and say when scans came on average only. (Longer intervals are scans that were
+/// lost.)
 bool ScanClock::irregular() const {
   if (periods_noted_ < kPeriods) return false;
-  const double shortest = 0.5 * period_s();
+  const double shortest = 0.25 * period_quantile_s(0.75);
   return std::count_if(periods_.begin(), periods_.end(), [&](double s) { return s < shortest; }) >= kTooShort;
 }
 

@@ -54,6 +54,7 @@ class ScanClock {
   Reading step();
   bool irregular() const;
   double mean_period_s() const;
+  double period_quantile_s(double share) const;
   void note_period(double seconds);
 
   static constexpr int kPeriods = 31, kTooShort = 3;
