@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "icp/degeneracy.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -83,13 +84,15 @@ Degeneracy find_degeneracy(const Matrix6& information) {
 }
 
 std::uint32_t open_axes(const Matrix6& information, const Matrix6& noise, const Matrix6& predicted) {
+  const Matrix6 half = predicted.llt().matrixL();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(
+      Matrix6(half.transpose() * (information - kMostNoise * noise) * half));
+  const Vector6 gained = solver.eigenvalues().cwiseMax(0.0);  // of what the prediction knows
+  const Matrix6 motions = half * solver.eigenvectors();
   std::uint32_t axes = 0;
-  for (const int first : {0, 3}) {
-    for (const Direction& direction : directions_of(information, noise, first)) {
-      const Eigen::Vector3d own = direction.motion.segment<3>(first);
-      const double said = direction.known - kMostNoise * direction.noise;
-      if (said * own.dot(predicted.block<3, 3>(first, first) * own) < 1.0) axes |= axes_of(direction, first);
-    }
+  for (int axis = 0; axis < 6; ++axis) {
+    const double left = motions.row(axis).cwiseAbs2() * (1.0 + gained.array()).inverse().matrix();
+    if (!(left < 0.5 * predicted(axis, axis))) axes |= 1u << axis;
   }
   return axes;
 }
