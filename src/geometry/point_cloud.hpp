@@ -17,12 +17,14 @@ struct PointCloud {
   std::vector<float> intensity;       ///< as the sensor gives it
   std::vector<float> time;            ///< seconds relative to the stamp of the scan; may be negative
   std::vector<Eigen::Vector3f> eyes;  ///< metres: where the sensor stood that saw the point
+  std::vector<std::uint8_t> alone;    ///< 1: seen in front of what is beside it, see odometry/standing_alone
 
   std::size_t size() const { return x.size(); }
   bool empty() const { return x.empty(); }
   bool has_normals() const { return !x.empty() && nx.size() == x.size(); }
   bool has_intensity() const { return !x.empty() && intensity.size() == x.size(); }
   bool has_times() const { return !x.empty() && time.size() == x.size(); }
+  bool is_alone(std::size_t i) const { return !alone.empty() && alone[i] != 0; }
   bool has_eyes() const { return !x.empty() && eyes.size() == x.size(); }
 
   Eigen::Vector3f point(std::size_t i) const { return {x[i], y[i], z[i]}; }

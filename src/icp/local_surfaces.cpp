@@ -125,6 +125,29 @@ Surface fit_wall(const PointCloud& cloud, const Neighbour* neighbours, int count
   return surface;
 }
 
+Surface fit_post(const PointCloud& cloud, const Neighbour* neighbours, int count, float reach) {
+  Surface surface;
+  Eigen::Vector2f mean = Eigen::Vector2f::Zero();
+  const Eigen::Vector3f own = cloud.point(static_cast<std::size_t>(neighbours[0].index));
+  for (int k = 0; k < count; ++k) {
+    const Eigen::Vector2f off = (cloud.point(static_cast<std::size_t>(neighbours[k].index)) - own).head<2>();
+    if (off.squaredNorm() > reach * reach) return surface;
+    mean += off;
+  }
+  mean /= static_cast<float>(count);
+  float moment = 0;
+  for (int k = 0; k < count; ++k)
+    moment += (cloud.point(static_cast<std::size_t>(neighbours[k].index)) - own).head<2>().squaredNorm();
+  const float thickness = std::sqrt(std::max(moment / static_cast<float>(count) - mean.squaredNorm(), 0.0f));
+  surface.line = true;
+  surface.normal = Eigen::Vector3f::UnitZ();
+  surface.centre = own;
+  surface.centre.head<2>() += mean;
+  surface.weight = 1;
+  surface.scale = std::min(1.0f, static_cast<float>(kThin) / std::max(thickness, 1e-6f));
+  return surface;
+}
+
 void LocalSurfaces::reset(const PointCloud& cloud, const KdForest& tree, float radius, bool walls) {
   cloud_ = &cloud;
   tree_ = &tree;
@@ -161,6 +184,10 @@ void LocalSurfaces::prepare(const std::vector<std::int32_t>& indices, int thread
           surface = fit_surface(*cloud_, neighbours, count);
       }
       if (cloud_->has_eyes() && !surface.line) surface.weight *= edge_on_weight(surface, cloud_->eyes[at]);
+      if (cloud_->is_alone(at) && count > 0 && count < kNeighbours) {
+        const Surface post = fit_post(*cloud_, neighbours, count, 0.5f * radius_);
+        if (post.scale * post.scale * post.weight > surface.weight) surface = post;
+      }
       surfaces_[at] = surface;
     }
   });

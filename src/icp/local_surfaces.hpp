@@ -18,12 +18,17 @@ struct Surface {
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< metres
   float weight = 0;   ///< 0: nothing there, to 1: flat and spread in both directions, or straight and thin
   bool line = false;  ///< `normal` is the direction of a line instead
-  float scale = 1;    ///< of residuals: a thick line says less
+  float scale = 1;    ///< of residuals of a line: a thick one says less
   /// Standard deviations of a plane's normal, radians: towards where it is known least, as a vector, and
   /// across that.
   Eigen::Vector3f tilt = Eigen::Vector3f::Zero();
   float tilt_across = 0;
 };
+
+/// What stands alone, a post, a bush or the end of a car, as an upright line as thick as its points are
+/// apart: the neighbours are all that is near, the nearest first, the point itself. No surface where one is
+/// farther off than `reach`, horizontally.
+Surface fit_post(const PointCloud& cloud, const Neighbour* neighbours, int count, float reach);
 
 /// Surfaces of the points of a map, fitted when they are first asked for: a scan meets only a part of the
 /// map.

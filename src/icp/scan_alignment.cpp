@@ -103,7 +103,7 @@ struct ScanAligner::Workspace final : DescentProblem {
       if (surface.weight <= 0 || dx * dx + dy * dy + dz * dz > squared_gate) continue;
       const Eigen::Vector3f off = Eigen::Vector3f(wx[i], wy[i], wz[i]) - surface.centre;
       const float along = surface.normal.dot(off);
-      const float r = surface.line ? (off - along * surface.normal).norm() : along;
+      const float r = surface.line ? surface.scale * (off - along * surface.normal).norm() : along;
       residuals[i] = r;
       weights[i] = surface.weight;
       kernel[i] = welsch_weight(static_cast<double>(r) * r, nu);
@@ -147,9 +147,10 @@ struct ScanAligner::Workspace final : DescentProblem {
         sum.jr += weight * residual * j;
       };
       if (surface.line) {  // its distance has two components
+        const Eigen::Vector3f off = surface.scale * (world - surface.centre);
         const Eigen::Vector3f a = surface.normal.unitOrthogonal(), b = surface.normal.cross(a);
-        add(a, a.dot(world - surface.centre));
-        add(b, b.dot(world - surface.centre));
+        add(surface.scale * a, a.dot(off));
+        add(surface.scale * b, b.dot(off));
       } else {
         add(surface.normal, r);
       }
@@ -216,13 +217,6 @@ struct ScanAligner::Workspace final : DescentProblem {
     return motion.still() ? pose : pose + 0.5 * velocity;
   }
 
-  /// As multiples of what is usual for their surface: off a thick trunk much is.
-  void scale_residuals() {
-    for (std::size_t i = 0; i < residuals.size(); ++i) {
-      if (weights[i] > 0) residuals[i] *= target->surfaces.at(correspondences.indices()[i]).scale;
-    }
-  }
-
   double median_absolute_residual() const {
     std::vector<float> values;
     values.reserve(residuals.size());
@@ -284,7 +278,6 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
   result.moving = work.moving(x);
   result.matched = work.matched;
   result.median_residual = work.median_absolute_residual();
-  work.scale_residuals();
   result.searches_made = work.correspondences.searches_made();
   result.searches_saved = work.correspondences.searches_saved();
   return result;

@@ -156,6 +156,7 @@ void LocalMap::add_novel_points(const Keyframe& keyframe) {
     cloud_.push_back(p);
     last_seen_.push_back(keyframe.id);
     cloud_.eyes.push_back(translation);
+    cloud_.alone.push_back(keyframe.points.is_alone(i));
   }
 }
 

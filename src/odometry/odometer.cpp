@@ -153,7 +153,7 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
 
 Attempt Odometer::look_far(const PreparedScan& scan, const MotionPrior& prior) {
   Attempt best = align(scan, prior, Reach::kFar);
-  if (!map_.planar() || best.health.score <= kCalmScore) return best;
+  if (!map_.planar() || best.health.score <= kFitScore) return best;
   for (const double turn : kTurns) {
     MotionPrior turned = prior;
     turned.mean.pose.linear() = prior.mean.pose.linear() * rotation_about_z(turn);

@@ -20,11 +20,13 @@ inline constexpr std::size_t kLeastPoints = 30;
 
 // Trust in an alignment, by the robust z-score of its energy. That of good ones stays below 5 in streets and
 // rooms; a kidnap gives 10 and more.
+inline constexpr double kFitScore =
+    3.0;  ///< beyond, another look is worth its time: it is one scan in hundreds
 inline constexpr double kJumpScore = 6.0;
 inline constexpr double kCalmScore = 4.0;  ///< hysteresis: what a lost robot must get below
 
-/// How far pose and velocity are from their prediction, squared: drives stay below 3, shakes below 25; kidnaps
-/// to a place that looks alike had 35 and 190.
+/// How far pose and velocity are from their prediction, squared: drives stay below 3, shakes below 25;
+/// kidnaps to a place that looks alike had 35 and 190.
 inline constexpr double kMostGap = 30;
 
 /// A robot that sees nothing is predicted at its last velocity for so long, then as standing.
@@ -33,8 +35,8 @@ inline constexpr double kCoastSeconds = 3.0;
 // Points of a scan that tell whether it fits at all, and how the robot moved.
 inline constexpr std::size_t kLookPoints = 400, kDeskewPoints = 800;
 
-/// How far an alignment looks for its surfaces: as far as the prediction may be off, or farther where it is not
-/// believed.
+/// How far an alignment looks for its surfaces: as far as the prediction may be off, or farther where it is
+/// not believed.
 enum class Reach : std::int8_t { kNear, kFar };
 
 /// One alignment of a scan with the map, and what it is worth.

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kMicro = 1e-6;
 
-constexpr double kMoment = 0.35;  // seconds
+constexpr double kMoment = 0.35;                 // seconds
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
@@ -142,11 +142,7 @@ struct Tracker::State {
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
     if (distrusted_scans > 0) return odometer.probe(scan, prior, Reach::kNear);
     Attempt best = odometer.align(scan, prior, Reach::kNear);
-    const auto fits = [](const Attempt& attempt) {
-      return explains(attempt, kJumpScore) &&
-             (attempt.health.score < kCalmScore || usual_share(attempt.health));
-    };
-    if (fits(best)) return best;
+    if (explains(best, kFitScore)) return best;
     // A far look is dear, and a part of the points will do for it: the next scan must not wait.
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);

@@ -49,6 +49,31 @@ TEST_CASE("a trunk is an upright line and a log is none") {
   CHECK_FALSE(surface_at(trunk(0.1, 0.3, false), 22, 2).line);
 }
 
+TEST_CASE("a few points that stand alone are a post, as thick as they are apart") {
+  PointCloud cloud;
+  const auto add = [&](float x, float y, float z) { cloud.push_back(x, y, z); };
+  add(20, 0, 0);
+  add(20, 0.1f, 0);
+  add(20, 0.05f, 1.5f);
+  for (const bool told : {true, false}) {
+    cloud.alone.assign(cloud.size(), told ? 1 : 0);
+    const Surface post = surface_at(cloud, 0, 2);
+    CHECK(post.line == told);
+    CHECK((post.weight > 0) == told);
+    if (!told) continue;
+    CHECK(post.normal.isApprox(Eigen::Vector3f::UnitZ()));
+    CHECK(post.centre.head<2>().isApprox(Eigen::Vector2f(20, 0.05f), 1e-4f));
+    CHECK(post.scale == doctest::Approx(1));
+  }
+  add(20, 1.8f, 0);  // beside it
+  cloud.alone.assign(cloud.size(), 1);
+  CHECK(surface_at(cloud, 0, 2).weight == 0);
+  cloud.y.back() = 0.9f;  // a bush
+  const Surface bush = surface_at(cloud, 0, 2);
+  CHECK(bush.line);
+  CHECK(bush.scale < 0.2f);
+}
+
 TEST_CASE("the lines of a scan pattern on a wall are no trunks") {
   PointCloud wall;
   for (int column = -10; column <= 10; ++column) {

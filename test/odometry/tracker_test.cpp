@@ -222,8 +222,7 @@ TEST_CASE("who is lost and sees goes on in a new map, and comes back to the old 
   for (int i = 0; i < 15; ++i)
     tracker.track(hall_scan(start, Vector6::Zero(), Drive::utime(i), static_cast<unsigned>(i)), level);
   const auto strange = [](int i) {
-    Scan scan =
-        hall_scan(at(7, 5, 2.5), Vector6::Zero(), Drive::utime(i), static_cast<unsigned>(i));
+    Scan scan = hall_scan(at(7, 5, 2.5), Vector6::Zero(), Drive::utime(i), static_cast<unsigned>(i));
     for (std::size_t k = 0; k < scan.points.size(); ++k) scan.points.x[k] *= 0.4f;
     return scan;
   };
