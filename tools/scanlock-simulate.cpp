@@ -51,6 +51,9 @@ void declare(CLI::App& app, Options& options) {
          "the left), dropout@T+D (scans missing altogether)")
       ->allow_extra_args(false);  // one event each: the word that follows may be the log
   app.add_option("--speed", options.config.speed_mps, "Cruising speed in m/s instead of the world's own");
+  app.add_option("--start-speed", options.config.start_speed_mps,
+                 "Speed in m/s as the drive begins, from which it brakes or accelerates to its own")
+      ->capture_default_str();
   app.add_option("--noise", options.noise,
                  "Standard deviation of ranges in metres instead of the sensor's own")
       ->check(number_from_zero(true));

@@ -63,8 +63,9 @@ SpeedPlan plan_speeds(const Polyline& route, const DriveStyle& style, Random& ra
       stop_at = s + style.stop_every_m * random.uniform(0.5, 1.5);
     }
   }
-  plan.limit.front() = plan.limit.back() = 0;
-  plan.dwell.front() = 0.5;
+  plan.limit.front() = style.start_mps;
+  plan.limit.back() = 0;
+  if (style.start_mps == 0) plan.dwell.front() = 0.5;
   return plan;
 }
 
@@ -78,6 +79,14 @@ std::vector<double> drive_distances(const Polyline& route, const DriveStyle& sty
     v[i] = std::min(v[i], std::sqrt(v[i - 1] * v[i - 1] + 2 * style.accelerate * plan.step));
   for (std::size_t i = v.size() - 1; i-- > 0;)
     v[i] = std::min(v[i], std::sqrt(v[i + 1] * v[i + 1] + 2 * style.brake * plan.step));
+  // From a start that is too fast for what follows it brakes as well as it can.
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double left =
+        style.start_mps * style.start_mps - 2 * style.brake * plan.step * static_cast<double>(i);
+    if (left <= v[i] * v[i]) break;
+    v[i] = std::sqrt(left);
+    plan.dwell[i] = 0;
+  }
 
   const auto knots = static_cast<std::size_t>(std::ceil((seconds + 2 * kMargin) / kKnot)) + 4;
   std::vector<double> distance(knots, 0);
@@ -97,7 +106,8 @@ std::vector<double> drive_distances(const Polyline& route, const DriveStyle& sty
       const double elapsed = std::min(t - clock, travel);
       s += elapsed * (v[i] + (v[i + 1] - v[i]) * elapsed / (2 * travel));
     }
-    distance[k] = s;
+    // It was as fast before it was seen.
+    distance[k] = kMargin * style.start_mps + (knot_time(k) < 0 ? knot_time(k) * style.start_mps : s);
   }
   for (int pass = 0; pass < 3; ++pass) distance = moving_average(distance, 3);
   return distance;

@@ -15,6 +15,7 @@ namespace scanlock {
 /// How a carrier of the sensor moves. Metres, seconds, radians.
 struct DriveStyle {
   double slow_mps = 8, fast_mps = 14;  ///< the cruising speed wanders between these
+  double start_mps = 0;                ///< as the drive begins; it brakes or accelerates from there
   double accelerate = 2, brake = 2.5;  ///< m/s^2
   double lateral = 3;                  ///< greatest lateral acceleration in bends, m/s^2
   double yaw_rate = 0.7;               ///< greatest turning rate, rad/s

@@ -33,6 +33,8 @@ SimulationConfig checked(const SimulationConfig& config) {
     throw std::invalid_argument("seconds must be more than 0 and at most 36000");
   if (!(config.speed_mps >= 0) || config.speed_mps > 60)
     throw std::invalid_argument("the speed must lie between 0 and 60 m/s");
+  if (!(config.start_speed_mps >= 0) || config.start_speed_mps > 60)
+    throw std::invalid_argument("the speed at the start must lie between 0 and 60 m/s");
   if (config.noise_m && !(*config.noise_m >= 0 && *config.noise_m <= 10))
     throw std::invalid_argument("the noise must lie between 0 and 10 m");
   if (config.threads < 1 || config.threads > 256)
@@ -45,6 +47,11 @@ SimulationConfig checked(const SimulationConfig& config) {
                                   " s never comes: the drive ends after " + text_of(config.seconds) + " s");
   }
   return config;
+}
+
+DriveStyle started(DriveStyle style, double start_mps) {
+  style.start_mps = start_mps;
+  return style;
 }
 
 }  // namespace
@@ -61,7 +68,8 @@ Simulator::Simulator(const SimulationConfig& config)
     : config_(checked(config)),
       lidar_(LidarModel::of(config.lidar)),
       world_(make_world(config.world, config.seed, config.seconds, config.speed_mps)),
-      drive_(world_.route, world_.scene.terrain(), world_.style, config.events, config.seconds, config.seed),
+      drive_(world_.route, world_.scene.terrain(), started(world_.style, config.start_speed_mps),
+             config.events, config.seconds, config.seed),
       beams_(lidar_.sweep(0)) {
   if (config_.noise_m) lidar_.noise = *config_.noise_m;
 }

@@ -22,6 +22,7 @@ struct SimulationConfig {
   std::uint64_t seed = 1;
   std::vector<SimulationEvent> events;
   double speed_mps = 0;           ///< cruising speed; 0: the world's own
+  double start_speed_mps = 0;     ///< as the drive begins
   std::optional<double> noise_m;  ///< standard deviation of ranges; nothing: the sensor's own
   bool motion_distortion =
       true;                   ///< false: all points of a scan are taken at its stamp, and their times are 0

@@ -64,6 +64,21 @@ TEST_CASE("drive - velocity and acceleration are continuous and bounded, turns a
   }
 }
 
+TEST_CASE("drive - one that starts in motion has that speed at once and comes to its own") {
+  for (const WorldKind kind : {WorldKind::kUrban, WorldKind::kForest}) {
+    for (const double start : {2.0, 15.0}) {
+      World world = make_world(kind, 4, 30);
+      world.style.start_mps = start;
+      const Drive drive = drive_of(world, 30);
+      const PoseSpline& motion = drive.piece(0);
+      CAPTURE(start);
+      CHECK(std::abs(motion.twist(0).head<2>().norm() - start) < 0.05 * start + 0.2);
+      CHECK(std::abs(motion.twist(0.1).head<2>().norm() - start) < 0.05 * start + 0.3);
+      CHECK(motion.twist(20).head<2>().norm() < world.style.fast_mps + 1);
+    }
+  }
+}
+
 TEST_CASE("drive - indoors some turns exceed 90 degrees a second, in town some exceed 20") {
   for (const auto& [kind, rate] : {std::pair{WorldKind::kIndoor, 90.0}, std::pair{WorldKind::kUrban, 20.0}}) {
     const World world = make_world(kind, 4, 120);
