@@ -74,6 +74,13 @@ struct ScanAlignment {
   std::int64_t searches_made = 0, searches_saved = 0;
 };
 
+/// How one source point of an alignment lies on its surface.
+struct PointFit {
+  Eigen::Vector3f place = Eigen::Vector3f::Zero();  ///< of the point, axes of the map
+  float explained = 0;  ///< the surface's weight times the kernel's; 0: no surface
+  Surface surface;
+};
+
 /// Robust point-to-plane ICP (algorithm 2) with two extensions: the unknown is the pose at the stamp *and*
 /// the velocity, so that the motion within the scan is solved and not only predicted, and the prior
 /// joins them to the past. The energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2)
@@ -94,6 +101,8 @@ class ScanAligner {
   /// Residuals (metres) at the result, NaN where a source point found no surface; and the surface weights.
   const std::vector<float>& residuals() const;
   const std::vector<float>& weights() const;
+  /// How its source points lie at the result.
+  std::vector<PointFit> fits() const;
 
  private:
   struct Workspace;

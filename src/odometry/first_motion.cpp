@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 // How a robot moves when it is first seen: Odometer::deskew_first.
 #include <algorithm>
-#include <limits>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -18,19 +18,35 @@ constexpr int kRounds = 3;
 // Voxels by which points move from one scan to the next: by less than the first two motions are the same, or
 // it is none.
 constexpr double kSame = 0.2, kAtRest = 0.05;
-/// What a point without a surface costs, of what one far off its surface does: a moving robot sees new
-/// ground.
-constexpr double kUnmatched = 0.3;
 
-double score(const Health& health) {
-  return health.overlap * health.energy + kUnmatched * (1 - health.overlap);
+/// Whether a point leaves its surface, by more than noise makes of it, where it moves by so much (metres).
+bool leaves(const PointFit& fit, const Eigen::Vector3f& by, float noise) {
+  if (fit.explained <= 0) return false;
+  const Surface& surface = fit.surface;
+  const float along = surface.normal.dot(by);
+  if (surface.line) return surface.scale * (by - along * surface.normal).norm() > noise;
+  const float tilt = std::sqrt(surface.tilt.squaredNorm() + surface.tilt_across * surface.tilt_across);
+  return std::abs(along) > noise + 2 * tilt * by.norm();
+}
+
+/// By how many points one motion explains the same scan better than another: of those alone that can tell,
+/// which the way from the one to the other takes off their surface. The rest, the ground above all, fits
+/// wherever the robot is, and best where the same spots are seen twice: at rest.
+double advantage(const std::vector<PointFit>& one, const std::vector<PointFit>& other, float noise) {
+  double sum = 0;
+  for (std::size_t i = 0; i < std::min(one.size(), other.size()); ++i) {
+    const Eigen::Vector3f by = other[i].place - one[i].place;
+    if (leaves(one[i], by, noise) || leaves(other[i], by, noise))
+      sum += one[i].explained - other[i].explained;
+  }
+  return sum;
 }
 
 }  // namespace
 
 /// A velocity bends the first scan and predicts the second one. It is right where the alignment of the two
-/// gives it back; from elsewhere it moves towards such a fixed point. Where a scene has several, the one that
-/// leaves least unexplained is taken: standing is one of them.
+/// gives it back; from elsewhere it moves towards such a fixed point. Where a scene has several, standing
+/// among them, the one is taken that explains more points than any other.
 Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt attempt, bool any_speed) {
   if (!awaits_second()) return attempt;
   PreparedScan first;
@@ -64,7 +80,14 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   PreparedScan all = scan;
   all.source = scan.fine;
   MovingPose best = found_by(attempt);
-  double least = std::numeric_limits<double>::infinity();
+  std::vector<PointFit> best_fits;
+  const auto note = [&](const MovingPose& second) {
+    std::vector<PointFit> fits = aligner_.fits();
+    if (!best_fits.empty() && !(advantage(fits, best_fits, static_cast<float>(2 * kKernel * sigma_)) > 0))
+      return;
+    best = second;
+    best_fits = std::move(fits);
+  };
   std::vector<Vector6> tried;
   // Whether it led anywhere new.
   const auto settle = [&](MovingPose second) {
@@ -77,10 +100,7 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
       const Attempt aligned = align_from(second, all);
       second = found_by(aligned);
       if (!same(second.twist, twist)) continue;
-      if (score(aligned.health) < least) {
-        least = score(aligned.health);
-        best = second;
-      }
+      note(second);
       return true;
     }
     return true;
@@ -89,8 +109,7 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   const Attempt rested = align_from(rest, all);
   if (same(found_by(rested).twist, rest.twist, kAtRest)) {
     tried.push_back(rest.twist);
-    least = score(rested.health);
-    best = rest;
+    note(rest);
   }
   settle(found_by(attempt));
   settle(rest);

@@ -24,7 +24,6 @@ constexpr double kFirstSigma = 0.03;
 constexpr double kNearFirst = 3,
                  kFarFirst = 6;  // times the reach: from farther off all is pulled to where most is
 constexpr int kFarIterations = 36;
-constexpr double kKernel = 2.1;  // Welsch scale over sigma: 95 % efficient on Gaussian residuals
 
 /// Radians: a planar robot turns on the spot, by more between two scans than ICP can follow.
 constexpr double kTurns[] = {-0.2, 0.2, -0.4, 0.4, -0.6, 0.6, -0.8, 0.8};

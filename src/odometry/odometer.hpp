@@ -29,6 +29,9 @@ inline constexpr double kCalmScore = 4.0;  ///< hysteresis: what a lost robot mu
 /// kidnaps to a place that looks alike had 35 and 190.
 inline constexpr double kMostGap = 30;
 
+/// Welsch scale over sigma: 95 % efficient on Gaussian residuals.
+inline constexpr double kKernel = 2.1;
+
 /// A robot that sees nothing is predicted at its last velocity for so long, then as standing.
 inline constexpr double kCoastSeconds = 3.0;
 
