@@ -18,7 +18,10 @@ constexpr double kThread = 0.03;  // so thin is only the line of a scan pattern
 constexpr double kThin = 0.05;
 constexpr double kLeastNoise = 0.015;  // metres, of ranges: what a few points make look less is luck
 constexpr int kFewest = 5;             // neighbours
-constexpr float kGrazing = 0.1f;       // sine of the angle of incidence below which a plane is doubted
+// Of the radius: how thick a post is at least taken to be, for a map keeps one point of a voxel, a quarter of
+// that wide, and what is spread evenly over half of it has this standard deviation.
+constexpr float kUnsure = 0.125f / 3.4641f;
+constexpr float kGrazing = 0.1f;  // sine of the angle of incidence below which a plane is doubted
 
 /// How neighbours lie about their centroid, in the first kAxes of x, y and z.
 template <int kAxes>
@@ -125,7 +128,7 @@ Surface fit_wall(const PointCloud& cloud, const Neighbour* neighbours, int count
   return surface;
 }
 
-Surface fit_post(const PointCloud& cloud, const Neighbour* neighbours, int count, float reach) {
+Surface fit_post(const PointCloud& cloud, const Neighbour* neighbours, int count, float reach, float least) {
   Surface surface;
   Eigen::Vector2f mean = Eigen::Vector2f::Zero();
   const Eigen::Vector3f own = cloud.point(static_cast<std::size_t>(neighbours[0].index));
@@ -138,13 +141,13 @@ Surface fit_post(const PointCloud& cloud, const Neighbour* neighbours, int count
   float moment = 0;
   for (int k = 0; k < count; ++k)
     moment += (cloud.point(static_cast<std::size_t>(neighbours[k].index)) - own).head<2>().squaredNorm();
-  const float thickness = std::sqrt(std::max(moment / static_cast<float>(count) - mean.squaredNorm(), 0.0f));
+  const float apart = std::sqrt(std::max(moment / static_cast<float>(count) - mean.squaredNorm(), 0.0f));
   surface.line = true;
   surface.normal = Eigen::Vector3f::UnitZ();
   surface.centre = own;
   surface.centre.head<2>() += mean;
   surface.weight = 1;
-  surface.scale = std::min(1.0f, static_cast<float>(kThin) / std::max(thickness, 1e-6f));
+  surface.scale = std::min(1.0f, static_cast<float>(kThin) / std::sqrt(apart * apart + least * least));
   return surface;
 }
 
@@ -185,7 +188,7 @@ void LocalSurfaces::prepare(const std::vector<std::int32_t>& indices, int thread
       }
       if (cloud_->has_eyes() && !surface.line) surface.weight *= edge_on_weight(surface, cloud_->eyes[at]);
       if (cloud_->is_alone(at) && count > 0 && count < kNeighbours) {
-        const Surface post = fit_post(*cloud_, neighbours, count, 0.5f * radius_);
+        const Surface post = fit_post(*cloud_, neighbours, count, 0.5f * radius_, kUnsure * radius_);
         if (post.scale * post.scale * post.weight > surface.weight) surface = post;
       }
       surfaces_[at] = surface;

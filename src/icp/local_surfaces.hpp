@@ -27,8 +27,9 @@ struct Surface {
 
 /// What stands alone, a post, a bush or the end of a car, as an upright line as thick as its points are
 /// apart: the neighbours are all that is near, the nearest first, the point itself. No surface where one is
-/// farther off than `reach`, horizontally.
-Surface fit_post(const PointCloud& cloud, const Neighbour* neighbours, int count, float reach);
+/// farther off than `reach`, horizontally. It is taken to be `least` metres thick at least (a standard
+/// deviation).
+Surface fit_post(const PointCloud& cloud, const Neighbour* neighbours, int count, float reach, float least);
 
 /// Surfaces of the points of a map, fitted when they are first asked for: a scan meets only a part of the
 /// map.

@@ -15,7 +15,7 @@ namespace {
 
 /// A residual's variance as the filter sees it: neighbouring residuals share the error of their surface, so a
 /// scan of thousands of points knows less than as many independent measurements.
-constexpr double kVarianceInflation = 10;
+constexpr double kVarianceInflation = 6;
 /// Kernels and gates are this share of the median range, where the voxel is smaller: how far a prediction is
 /// off depends on the scene and the motion, not on the density of the sensor.
 constexpr double kReach = 0.04;
@@ -152,7 +152,8 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
 
 Attempt Odometer::look_far(const PreparedScan& scan, const MotionPrior& prior) {
   Attempt best = align(scan, prior, Reach::kFar);
-  if (!map_.planar() || best.health.score <= kFitScore) return best;
+  const bool turned_unseen = prior.ahead_s > kMoment && !usual_share(best.health);
+  if (!turned_unseen && (!map_.planar() || best.health.score <= kFitScore)) return best;
   for (const double turn : kTurns) {
     MotionPrior turned = prior;
     turned.mean.pose.linear() = prior.mean.pose.linear() * rotation_about_z(turn);

@@ -32,6 +32,8 @@ inline constexpr double kMostGap = 30;
 /// Welsch scale over sigma: 95 % efficient on Gaussian residuals.
 inline constexpr double kKernel = 2.1;
 
+/// Seconds without a scan in which a robot may do anything.
+inline constexpr double kMoment = 0.35;
 /// A robot that sees nothing is predicted at its last velocity for so long, then as standing.
 inline constexpr double kCoastSeconds = 3.0;
 
@@ -83,8 +85,8 @@ class Odometer {
   MotionPrior predict(double dt) const { return filter_.predict(dt); }
   MotionPrior predict(double dt, const Pose& motion) const { return filter_.predict(dt, motion); }
   Attempt align(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
-  /// The same with the far reach; of a planar scan from other headings as well, where that does not explain
-  /// it.
+  /// The same with the far reach; of a planar scan, and after a gap, from other headings as well, where that
+  /// does not explain it as well as usual.
   Attempt look_far(const PreparedScan& scan, const MotionPrior& prior);
   /// The same where success is unlikely: a part of the points is tried first, and when that does not come
   /// near to explaining itself, it is what comes back. An alignment that fails takes the longest of all.

@@ -20,7 +20,6 @@ namespace {
 
 constexpr double kMicro = 1e-6;
 
-constexpr double kMoment = 0.35;                 // seconds
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
@@ -142,7 +141,8 @@ struct Tracker::State {
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
     if (distrusted_scans > 0) return odometer.probe(scan, prior, Reach::kNear);
     Attempt best = odometer.align(scan, prior, Reach::kNear);
-    if (explains(best, kFitScore)) return best;
+    // After a gap the heading may be another, and rooms look alike once turned.
+    if (explains(best, kFitScore) && (prior.ahead_s < kMoment || usual_share(best.health))) return best;
     // A far look is dear, and a part of the points will do for it: the next scan must not wait.
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);

@@ -63,7 +63,7 @@ TEST_CASE("a few points that stand alone are a post, as thick as they are apart"
     if (!told) continue;
     CHECK(post.normal.isApprox(Eigen::Vector3f::UnitZ()));
     CHECK(post.centre.head<2>().isApprox(Eigen::Vector2f(20, 0.05f), 1e-4f));
-    CHECK(post.scale == doctest::Approx(1));
+    CHECK(post.scale == doctest::Approx(0.05 / std::hypot(0.0408, 2 * 0.125 / 3.4641)).epsilon(0.01));
   }
   add(20, 1.8f, 0);  // beside it
   cloud.alone.assign(cloud.size(), 1);
