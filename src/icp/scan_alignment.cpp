@@ -290,13 +290,13 @@ const std::vector<float>& ScanAligner::weights() const {
   return workspace_->weights;
 }
 
-std::vector<PointFit> ScanAligner::fits() const {
+std::vector<PointFit> ScanAligner::fits(const AlignmentTarget& target) const {
   const Workspace& work = *workspace_;
   std::vector<PointFit> fits(work.residuals.size());
   for (std::size_t i = 0; i < fits.size(); ++i) {
     fits[i].place = {work.wx[i], work.wy[i], work.wz[i]};
     if (work.weights[i] <= 0) continue;
-    fits[i].surface = work.target->surfaces.at(work.correspondences.indices()[i]);
+    fits[i].surface = target.surfaces.at(work.correspondences.indices()[i]);
     fits[i].explained = static_cast<float>(work.weights[i] * work.kernel[i]);
   }
   return fits;

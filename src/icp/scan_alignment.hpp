@@ -101,8 +101,8 @@ class ScanAligner {
   /// Residuals (metres) at the result, NaN where a source point found no surface; and the surface weights.
   const std::vector<float>& residuals() const;
   const std::vector<float>& weights() const;
-  /// How its source points lie at the result.
-  std::vector<PointFit> fits() const;
+  /// How its source points lie at the result, on the target that they were aligned to.
+  std::vector<PointFit> fits(const AlignmentTarget& target) const;
 
  private:
   struct Workspace;

@@ -82,7 +82,7 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   MovingPose best = found_by(attempt);
   std::vector<PointFit> best_fits;
   const auto note = [&](const MovingPose& second) {
-    std::vector<PointFit> fits = aligner_.fits();
+    std::vector<PointFit> fits = aligner_.fits(map_.target());
     if (!best_fits.empty() && !(advantage(fits, best_fits, static_cast<float>(2 * kKernel * sigma_)) > 0))
       return;
     best = second;
