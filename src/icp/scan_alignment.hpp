@@ -85,7 +85,7 @@ struct PointFit {
 /// the velocity, so that the motion within the scan is solved and not only predicted, and the prior
 /// joins them to the past. The energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2)
 /// prior_cost(e^T information e), with s_i the weight of the surface (0 where there is none), r_i the
-/// distance to it.
+/// distance to it, of a line times its scale.
 class ScanAligner {
  public:
   ScanAligner();

@@ -62,10 +62,10 @@ class RangeImage {
   std::vector<float> nearest_;
 };
 
-/// Cells from a point to the next one that is seen on a side: the step of the sensor.
-int step_beside(const RangeImage& image, const RangeImage::Direction& d, int side) {
+/// Cells from a point to the next one that is seen beside it: the step of the sensor.
+int step_beside(const RangeImage& image, const RangeImage::Direction& d) {
   int step = 1;
-  while (step <= kWidestStep && image.beside(d, side * step) == kNothing) ++step;
+  while (step <= kWidestStep && image.beside(d, step) == kNothing) ++step;
   return step;
 }
 
@@ -100,7 +100,7 @@ std::vector<std::uint8_t> standing_alone(const PointCloud& points, const std::ve
   std::vector<int> steps;
   for (std::size_t i = 0; i < some.size(); ++i) {
     directions.push_back(RangeImage::direction(some.x[i], some.y[i], some.z[i]));
-    if (directions.back().row >= 0) steps.push_back(step_beside(image, directions.back(), 1));
+    if (directions.back().row >= 0) steps.push_back(step_beside(image, directions.back()));
   }
   if (steps.empty()) return std::vector<std::uint8_t>(some.size());
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);

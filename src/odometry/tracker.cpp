@@ -24,9 +24,7 @@ constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degenera
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
 // the median range, and this turn.
 constexpr double kWithinReach = 0.08, kWithinTurn = 5.0 * kDegree;
-// How far pose and velocity are from their prediction, squared: drives stay below 3, shakes below 25; kidnaps
-// to a place that looks alike had 35 and 190.
-constexpr double kUnusualGap = 10;
+constexpr double kUnusualGap = 10;  // what kMostGap is, for a robot that is not trusted
 constexpr double kStrayGap =
     1;  // lorries close by have 0.5, kidnaps that nothing else tells of mostly 6 and more
 constexpr double kDegradedShare = 0.4;            // of the points of a scan: fewer are explained
