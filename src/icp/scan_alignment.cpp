@@ -275,6 +275,7 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
   Vector12 gradient;
   work.linearise(true, &result.information, &gradient);
   result.noise = work.noise();
+  result.sweep_s = work.motion.still() ? 0.0 : work.duration;
   result.moving = work.moving(x);
   result.matched = work.matched;
   result.median_residual = work.median_absolute_residual();

@@ -67,6 +67,7 @@ struct ScanAlignment {
   Matrix12 information =
       Matrix12::Zero();  ///< of the data alone, order and frame as in MotionPrior, unit residual variance
   Matrix6 noise = Matrix6::Zero();  ///< what errors of the normals alone put into its pose block, expected
+  double sweep_s = 0;               ///< from the first of its points to the last; 0 without times
   int iterations = 0, evaluations = 0;
   bool converged = false;
   int matched = 0;             ///< source points within the gate of a surface

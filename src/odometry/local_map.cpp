@@ -32,11 +32,12 @@ void LocalMap::clear() {
   cloud_ = {};
   last_seen_.clear();
   taken_.clear();
+  ground_.clear();
   tree_.rebuild(cloud_);
   surfaces_.reset(cloud_, tree_, 1.0f, planar_);
 }
 
-void LocalMap::insert(Keyframe keyframe, double voxel) {
+double LocalMap::insert(Keyframe keyframe, double voxel) {
   const Eigen::Vector3d here = keyframe.map_from_body.translation();
   keyframe.id = next_id_++;
   keyframes_.push_back(std::move(keyframe));
@@ -46,13 +47,15 @@ void LocalMap::insert(Keyframe keyframe, double voxel) {
     if ((here - origin_).norm() > kOriginReach || keyframes_.size() == 1) move_origin(here);
     note_voxels(voxel);
   }
-  add_novel_points(keyframes_.back());
+  const std::size_t novel = add_novel_points(keyframes_.back());
   if (rebuild) {
     index_all();
   } else {
     tree_.grow(cloud_);
     surfaces_.grow();
   }
+  return static_cast<double>(novel) /
+         static_cast<double>(std::max<std::size_t>(keyframes_.back().points.size(), 1));
 }
 
 void LocalMap::load(std::vector<Keyframe> keyframes, double voxel) {
@@ -136,17 +139,24 @@ void LocalMap::move_origin(const Eigen::Vector3d& here) {
 void LocalMap::note_voxels(double voxel) {
   voxel_ = voxel;
   const float inverse_voxel = static_cast<float>(1.0 / voxel);
+  const auto inverse_cell = static_cast<float>(1.0 / (kSurfaceVoxels * voxel));
   taken_.clear();
-  for (std::uint32_t i = 0; i < cloud_.size(); ++i)
+  ground_.clear();
+  for (std::uint32_t i = 0; i < cloud_.size(); ++i) {
     taken_.insert(voxel_key(cloud_.point(i), inverse_voxel), i);
+    ground_.insert(voxel_key(cloud_.point(i), inverse_cell), last_seen_[i]);
+  }
 }
 
-void LocalMap::add_novel_points(const Keyframe& keyframe) {
+std::size_t LocalMap::add_novel_points(const Keyframe& keyframe) {
+  std::size_t novel = 0;
   const float inverse_voxel = static_cast<float>(1.0 / voxel_);
+  const auto inverse_cell = static_cast<float>(1.0 / (kSurfaceVoxels * voxel_));
   const Eigen::Matrix3f rotation = keyframe.map_from_body.linear().cast<float>();
   const Eigen::Vector3f translation = (keyframe.map_from_body.translation() - origin_).cast<float>();
   for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
     const Eigen::Vector3f p = rotation * keyframe.points.point(i) + translation;
+    if (ground_.insert(voxel_key(p, inverse_cell), keyframe.id) == keyframe.id) ++novel;
     const auto next = static_cast<std::uint32_t>(cloud_.size());
     const std::uint32_t point = taken_.insert(voxel_key(p, inverse_voxel), next);
     if (point != next) {
@@ -158,6 +168,7 @@ void LocalMap::add_novel_points(const Keyframe& keyframe) {
     cloud_.eyes.push_back(translation);
     cloud_.alone.push_back(keyframe.points.is_alone(i));
   }
+  return novel;
 }
 
 PointCloud LocalMap::snapshot() const {

@@ -38,8 +38,8 @@ class LocalMap {
   LocalMap& operator=(const LocalMap&) = delete;
 
   /// Adds a keyframe at its pose. New points are indexed at once; forgetting old ones, and one index of all,
-  /// wait until it is worth it. `voxel` in metres.
-  void insert(Keyframe keyframe, double voxel);
+  /// wait until it is worth it. `voxel` in metres. Of its points, the share that shows new ground (0 to 1).
+  double insert(Keyframe keyframe, double voxel);
   /// These and nothing else, as if inserted in this order, but indexed once. `voxel` in metres.
   void load(std::vector<Keyframe> keyframes, double voxel);
   /// Whether a planar sensor sees it, from now on: its surfaces are walls.
@@ -66,7 +66,7 @@ class LocalMap {
   void move_origin(const Eigen::Vector3d& here);
   void note_voxels(double voxel);
   void index_all();
-  void add_novel_points(const Keyframe& keyframe);
+  std::size_t add_novel_points(const Keyframe& keyframe);
 
   LocalMapLimits limits_;
   std::deque<Keyframe> keyframes_;
@@ -76,6 +76,7 @@ class LocalMap {
   bool planar_ = false;
   double voxel_ = 0;  ///< metres, of the grid that `taken_` is of
   VoxelIndex taken_;
+  VoxelIndex ground_;  ///< the keyframe, its id, that first saw each cell of the size of a surface
   KdForest tree_;
   LocalSurfaces surfaces_;
   std::uint32_t next_id_ = 0;

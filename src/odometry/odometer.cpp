@@ -78,6 +78,9 @@ void Odometer::start(std::int64_t utime, const PreparedScan& scan, const MovingP
   sigma_ = kFirstSigma;
   set_planar(scan.planar);
   filter_.start(guess);
+  drift_.setZero();
+  measured_.setZero();
+  untold_ = 1;
   first_.utime = utime;
   first_.points = scan.fine.has_times() ? scan.fine : PointCloud{};
   insert(utime, scan, filter_.state());
@@ -187,8 +190,43 @@ void Odometer::accept(const Attempt& attempt) {
   share_ += 0.3 * (std::max(attempt.health.share, kLeastShare) - share_);
   const double seen = std::max(1.4826 * attempt.alignment.median_residual, kLeastSigma);
   sigma_ += 0.1 * (std::min(seen, 2.0 * sigma_) - sigma_);
-  filter_.update(attempt.prior, corrected(attempt, variance()), variance());
+  const MovingPose before = filter_.state();
+  const ScanAlignment real = corrected(attempt, variance());
+  filter_.update(attempt.prior, real, variance());
+  follow_drift(before.pose);
+  const double dt = attempt.prior.ahead_s, sweep = real.sweep_s;
+  bend_.setZero();
+  if (dt > 0) bend_ = (real.moving.twist - before.twist) / dt * (sweep * sweep / 12);
+  const Matrix12& covariance = filter_.covariance();
+  measured_ = (covariance * (real.information / variance()) * covariance).topLeftCorner<6, 6>();
+  measured_.diagonal() += bend_.cwiseAbs2();
+  drift_ += untold_ * measured_;
+  untold_ = 0;
   health_.remember(attempt.health);
+}
+
+void Odometer::coast(const MotionPrior& prior) {
+  const Pose before = filter_.state().pose;
+  filter_.coast(prior);
+  follow_drift(before);
+}
+
+void Odometer::set_pose(const Pose& map_from_body) {
+  filter_.start({map_from_body, Vector6::Zero()});
+  drift_.setZero();
+}
+
+/// A velocity that changes at a rate a while a scan of T seconds is taken is a straight line to the
+/// alignment; at the ends of the scan, where its stamp is, that line is off by a T^2 / 12.
+Matrix6 Odometer::pose_covariance() const {
+  Matrix6 result = filter_.covariance().topLeftCorner<6, 6>();
+  result.diagonal() += bend_.cwiseAbs2();
+  return result;
+}
+
+void Odometer::follow_drift(const Pose& before) {
+  const Matrix6 moved = adjoint(filter_.state().pose.inverse() * before);
+  drift_ = moved * drift_ * moved.transpose();
 }
 
 void Odometer::keep(std::int64_t utime, const PreparedScan& scan, double overlap) {
@@ -207,7 +245,8 @@ void Odometer::insert(std::int64_t utime, const PreparedScan& scan, const Moving
   keyframe.utime = utime;
   keyframe.map_from_body = moving.pose;
   keyframe.points = deskewed(scan.fine, moving.twist);
-  map_.insert(std::move(keyframe), scan.voxel);
+  // Ground that is new lies where the scan was seen from, as well as that was known.
+  drift_ += map_.insert(std::move(keyframe), scan.voxel) * measured_;
   last_keyframe_pose_ = moving.pose;
 }
 

@@ -80,7 +80,7 @@ class Odometer {
   void forget_usual() { health_.forget(); }
 
   /// At rest there, the velocity unknown.
-  void set_pose(const Pose& map_from_body) { filter_.start({map_from_body, Vector6::Zero()}); }
+  void set_pose(const Pose& map_from_body);
 
   MotionPrior predict(double dt) const { return filter_.predict(dt); }
   MotionPrior predict(double dt, const Pose& motion) const { return filter_.predict(dt, motion); }
@@ -101,7 +101,7 @@ class Odometer {
   /// The state becomes the outcome, and its energy part of what is usual.
   void accept(const Attempt& attempt);
   /// The state becomes the prediction: nothing was learnt.
-  void coast(const MotionPrior& prior) { filter_.coast(prior); }
+  void coast(const MotionPrior& prior);
   /// Nothing was seen for long: it is predicted as standing from now on.
   void stand() { filter_.stand(); }
   /// The scan joins the map where it shows new ground.
@@ -110,12 +110,19 @@ class Odometer {
   bool empty() const { return map_.empty(); }
   const LocalMap& map() const { return map_; }
   const MovingPose& state() const { return filter_.state(); }
+  /// Of state() against the map around the robot, as the next prediction needs it.
   const Matrix12& covariance() const { return filter_.covariance(); }
+  /// Of the pose alone, with what the motion within the scan adds.
+  Matrix6 pose_covariance() const;
+  /// Of the map around the robot, against the frame in which it was started: order and frame as those of the
+  /// pose in covariance().
+  const Matrix6& drift() const { return drift_; }
 
  private:
   ScanAlignmentOptions options(const PreparedScan& scan, const MotionPrior& prior, Reach reach) const;
   void insert(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving);
   bool wants_keyframe(double overlap, double voxel) const;
+  void follow_drift(const Pose& before);
 
   TrackerConfig config_;
   LocalMap map_;
@@ -130,6 +137,11 @@ class Odometer {
   double sigma_;  ///< metres, of a residual: robust, smoothed
   Pose last_keyframe_pose_ = Pose::Identity();
   Keyframe first_;  ///< its points as they came, until their motion is known
+  Matrix6 drift_ = Matrix6::Zero();
+  Vector6 bend_ = Vector6::Zero();  ///< see pose_covariance()
+  /// Of the last pose against the map, as far as a scan told it: what new ground is seen with.
+  Matrix6 measured_ = Matrix6::Zero();
+  double untold_ = 0;  ///< share of the map that was seen before any pose was measured
 };
 
 /// The score of a part of a scan beyond which the scan as a whole does not come below kJumpScore.

@@ -327,8 +327,8 @@ struct Tracker::State {
     tracked->localised = localised;
     tracked->map_from_body = map_from_own * odometer.state().pose;
     tracked->twist = odometer.state().twist;
-    const Matrix12& covariance = in_new_map() ? relocation.excursion().covariance() : odometer.covariance();
-    tracked->covariance = covariance.topLeftCorner<6, 6>();
+    tracked->covariance = in_new_map() ? Matrix6(relocation.excursion().covariance().topLeftCorner<6, 6>())
+                                       : Matrix6(odometer.pose_covariance() + odometer.drift());
     tracked->keyframes = static_cast<int>(odometer.map().keyframes().size());
     tracked->map_points = static_cast<int>(odometer.map().size());
     tracked->recovery = relocation.take_ended();

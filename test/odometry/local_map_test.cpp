@@ -56,6 +56,19 @@ TEST_CASE("a map keeps what its keyframes see, whoever saw it first, and forgets
   for (int i = 0; i < 10; ++i) CHECK(points_at(10.1f + static_cast<float>(i), map) == (i < 7 ? 0 : 40));
 }
 
+TEST_CASE("new ground is what no cell of the size of a surface holds yet") {
+  LocalMap map(LocalMapLimits{});
+  const auto share = [&](const std::vector<float>& rows) {
+    Keyframe keyframe;
+    for (const float x : rows) add_row(x, &keyframe.points);
+    return map.insert(keyframe, kVoxel);
+  };
+  CHECK(share({0.1f}) == 1.0);
+  CHECK(share({0.7f}) == 0.0);  // other voxels
+  CHECK(share({0.7f, 1.9f, 2.1f, 6.1f}) == 0.5);
+  CHECK(share({0.1f, 2.1f, 6.1f}) == 0.0);
+}
+
 TEST_CASE("a map that is loaded is the one that was inserted") {
   LocalMapLimits limits;
   limits.max_keyframes = 3;

@@ -118,6 +118,38 @@ TEST_CASE("a drive with motion within the scans is tracked to centimetres with i
   CHECK((tracked.twist - twist(2.0, 0, 0.6)).norm() < 0.1);
 }
 
+TEST_CASE("a pose gets no worse in a known hall, and worse on the way to where nothing is known") {
+  const Frame frame = each_frame();
+  const auto sigma = [](const TrackedScan& tracked) {
+    return std::sqrt(tracked.covariance.topLeftCorner<3, 3>().trace());
+  };
+  const Drive circles(at(0, -2, 0.1), twist(2.0, 0, 0.8));  // one takes 79 scans
+  FramedTracker hall(TrackerConfig{}, frame);
+  double once = 0, squared_error = 0;
+  TrackedScan tracked;
+  for (int i = 0; i < 160; ++i) {
+    tracked = hall.track(circles.scan(i));
+    if (i == 79) once = sigma(tracked);
+    const Vector6 error = circles.error(i, tracked);
+    if (i > 5) squared_error += error.dot(tracked.covariance.inverse() * error) / 154;
+  }
+  CHECK(sigma(tracked) < 1.2 * once);
+  CHECK(squared_error < 12);  // of six degrees of freedom
+
+  const std::vector<Eigen::Vector2d> posts = [] {
+    std::vector<Eigen::Vector2d> all;
+    for (int k = 0; k < 40; ++k) all.emplace_back(7.0 * k - 80, (k % 2 == 0 ? 1 : -1) * (8 + 5 * (k % 4)));
+    return all;
+  }();
+  FramedTracker meadow(TrackerConfig{}, frame);
+  double near_start = 0;
+  for (int i = 0; i < 60; ++i) {
+    tracked = meadow.track(meadow_scan(i, 20, posts));
+    if (i == 10) near_start = sigma(tracked);
+  }
+  CHECK(sigma(tracked) > 1.5 * near_start);
+}
+
 TEST_CASE("standing still the pose stays where it is") {
   const Frame frame = each_frame();
   const Drive drive(at(1, 0, 0.3), Vector6::Zero());
