@@ -1,0 +1,259 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "mapping/pose_graph.hpp"
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "icp/welsch.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr int kMostSteps = 30;         // at the last scale,
+constexpr int kUpperSteps = 2;         // and at those before it, which only bring it into its basin
+constexpr double kSettled = 1e-6;      // metres and radians: a step that ends a scale
+constexpr double kFixed = 1e14;        // information that holds the first node
+constexpr double kUnknown = 1e-8;      // information of what nothing connects: a covariance of (10 km)^2
+constexpr double kContradicted = 0.1;  // weight of a loop closure that the rest does not bear out
+
+double squared_error(const Constraint& constraint, const Vector6& error) {
+  return error.dot(constraint.information * error);
+}
+
+/// Nodes in order, by place in the system.
+class System {
+ public:
+  System(const std::map<std::uint32_t, Pose>& nodes, const std::vector<Constraint>& constraints)
+      : constraints_(constraints) {
+    for (const auto& [node, pose] : nodes) {
+      places_.emplace(node, poses.size());
+      poses.push_back(pose);
+    }
+  }
+
+  std::size_t place(std::uint32_t node) const { return places_.at(node); }
+
+  ConstraintError error(const Constraint& c) const {
+    return error_of(c, poses[place(c.from)], poses[place(c.to)]);
+  }
+
+  /// Of all constraints, at a scale of Welsch's function.
+  double energy(double nu) const {
+    double sum = 0;
+    for (const Constraint& c : constraints_) {
+      const Vector6 e = se3_log(c.from_to.inverse() * poses[place(c.from)].inverse() * poses[place(c.to)]);
+      const double s = squared_error(c, e);
+      sum += c.loop_closure ? nu * nu * welsch(s, nu) : 0.5 * s;
+    }
+    return sum;
+  }
+
+  /// Gauss-Newton matrix and gradient; the node at `fixed` is held.
+  void linearise(double nu, std::size_t fixed) {
+    const auto n = static_cast<Eigen::Index>(6 * poses.size());
+    gradient = Eigen::VectorXd::Zero(n);
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(90 * constraints_.size() + 6 * poses.size());
+    for (Eigen::Index i = 0; i < n; ++i) entries.emplace_back(i, i, kUnknown);
+    for (Eigen::Index i = 0; i < 6; ++i) {
+      const Eigen::Index at = 6 * static_cast<Eigen::Index>(fixed) + i;
+      entries.emplace_back(at, at, kFixed);
+    }
+    for (const Constraint& c : constraints_) {
+      const ConstraintError e = error(c);
+      const double weight = c.loop_closure ? welsch_weight(squared_error(c, e.error), nu) : 1.0;
+      const Matrix6 omega = weight * c.information;
+      const auto from = static_cast<Eigen::Index>(6 * place(c.from)),
+                 to = static_cast<Eigen::Index>(6 * place(c.to));
+      gradient.segment<6>(from) += e.by_from.transpose() * omega * e.error;
+      gradient.segment<6>(to) += e.by_to.transpose() * omega * e.error;
+      add_lower(from, from, e.by_from.transpose() * omega * e.by_from, &entries);
+      add_lower(to, to, e.by_to.transpose() * omega * e.by_to, &entries);
+      if (from > to)
+        add_lower(from, to, e.by_from.transpose() * omega * e.by_to, &entries);
+      else
+        add_lower(to, from, e.by_to.transpose() * omega * e.by_from, &entries);
+    }
+    hessian.resize(n, n);
+    hessian.setFromTriplets(entries.begin(), entries.end());
+  }
+
+  /// Poses that a step leads to.
+  std::vector<Pose> moved(const Eigen::VectorXd& step) const {
+    std::vector<Pose> result = poses;
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      result[i] = renormalised(poses[i] * se3_exp(step.segment<6>(static_cast<Eigen::Index>(6 * i))));
+    return result;
+  }
+
+  /// One step that descends; its greatest component, 0 where none descends.
+  double descend(double nu) {
+    linearise(nu, 0);
+    if (!analysed_) solver_.analyzePattern(hessian);
+    analysed_ = true;
+    const double before = energy(nu);
+    for (double damping = 0; damping < 1e9; damping = std::max(10 * damping, 1e-4)) {
+      Eigen::SparseMatrix<double> damped = hessian;
+      damped.diagonal() *= 1 + damping;
+      solver_.factorize(damped);
+      if (solver_.info() != Eigen::Success) continue;
+      const Eigen::VectorXd step = -solver_.solve(gradient);
+      std::vector<Pose> there = moved(step);
+      std::swap(poses, there);
+      if (energy(nu) <= before) return step.cwiseAbs().maxCoeff();
+      std::swap(poses, there);
+    }
+    return 0;
+  }
+
+  double median_loop_error() const {
+    std::vector<double> errors;
+    for (const Constraint& c : constraints_) {
+      if (c.loop_closure) errors.push_back(std::sqrt(squared_error(c, error(c).error)));
+    }
+    if (errors.empty()) return 0;
+    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+    std::nth_element(errors.begin(), middle, errors.end());
+    return *middle;
+  }
+
+  std::vector<Pose> poses;
+  Eigen::SparseMatrix<double> hessian;  // its lower triangle
+  Eigen::VectorXd gradient;
+
+ private:
+  static void add_lower(Eigen::Index row, Eigen::Index column, const Matrix6& block,
+                        std::vector<Eigen::Triplet<double>>* entries) {
+    for (int j = 0; j < 6; ++j) {
+      for (int i = row == column ? j : 0; i < 6; ++i) entries->emplace_back(row + i, column + j, block(i, j));
+    }
+  }
+
+  const std::vector<Constraint>& constraints_;
+  std::map<std::uint32_t, std::size_t> places_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  bool analysed_ = false;
+};
+
+bool touches(const Constraint& c, std::uint32_t node) {
+  return c.from == node || c.to == node;
+}
+
+}  // namespace
+
+Constraint reversed(const Constraint& constraint) {
+  Constraint result = constraint;
+  std::swap(result.from, result.to);
+  result.from_to = constraint.from_to.inverse();
+  // (Z exp(e))^-1 = Z^-1 exp(-Ad(Z) e)
+  const Matrix6 back = adjoint(result.from_to);
+  result.information = back.transpose() * constraint.information * back;
+  return result;
+}
+
+Constraint chained(const Constraint& ab, const Constraint& bc) {
+  Constraint result;
+  result.from = ab.from;
+  result.to = bc.to;
+  result.from_to = renormalised(ab.from_to * bc.from_to);
+  result.loop_closure = ab.loop_closure || bc.loop_closure;
+  // Z1 exp(e1) Z2 exp(e2) = Z1 Z2 exp(Ad(Z2^-1) e1) exp(e2)
+  const Matrix6 onwards = adjoint(bc.from_to.inverse());
+  result.information =
+      inverse(Matrix6(onwards * inverse(ab.information) * onwards.transpose() + inverse(bc.information)));
+  result.information = 0.5 * (result.information + result.information.transpose()).eval();
+  return result;
+}
+
+ConstraintError error_of(const Constraint& constraint, const Pose& from, const Pose& to) {
+  const Pose from_to = from.inverse() * to;
+  ConstraintError result;
+  result.error = se3_log(constraint.from_to.inverse() * from_to);
+  // log(E exp(d)) = log E + J_r(log E)^-1 d, and J_r(x) = J_l(-x).
+  result.by_to = inverse(se3_left_jacobian(-result.error));
+  result.by_from = -result.by_to * adjoint(from_to.inverse());
+  return result;
+}
+
+void PoseGraph::connect(Constraint constraint) {
+  if (constraint.from > constraint.to) constraint = reversed(constraint);
+  if (constraint.from == constraint.to) return;
+  const auto same = std::find_if(constraints_.begin(), constraints_.end(), [&](const Constraint& c) {
+    return c.from == constraint.from && c.to == constraint.to && c.loop_closure == constraint.loop_closure;
+  });
+  if (same == constraints_.end()) {
+    constraints_.push_back(constraint);
+    return;
+  }
+  const Vector6 apart = se3_log(same->from_to.inverse() * constraint.from_to);
+  same->information += constraint.information;
+  same->from_to =
+      renormalised(same->from_to * se3_exp(solve(same->information, constraint.information * apart)));
+}
+
+void PoseGraph::remove(std::uint32_t node) {
+  std::vector<Constraint> touching;  // from the node
+  for (const Constraint& c : constraints_) {
+    if (touches(c, node) && weight(c) > kContradicted) touching.push_back(c.from == node ? c : reversed(c));
+  }
+  constraints_.erase(std::remove_if(constraints_.begin(), constraints_.end(),
+                                    [&](const Constraint& c) { return touches(c, node); }),
+                     constraints_.end());
+  nodes_.erase(node);
+  const auto uncertainty = [](const Constraint& c) { return inverse(c.information).trace(); };
+  const auto best = std::min_element(
+      touching.begin(), touching.end(),
+      [&](const Constraint& a, const Constraint& b) { return uncertainty(a) < uncertainty(b); });
+  for (auto c = touching.begin(); c != touching.end(); ++c) {
+    if (c == best) continue;
+    Constraint through = chained(reversed(*best), *c);
+    through.loop_closure = c->loop_closure;
+    connect(through);
+  }
+}
+
+PoseGraph::Change PoseGraph::optimise() {
+  Change change;
+  if (nodes_.empty()) return change;
+  System system(nodes_, constraints_);
+  double nu = std::max(3.0 * system.median_loop_error(), kLoopScale);
+  while (true) {
+    const bool last = nu <= kLoopScale;
+    for (int step = 0; step < (last ? kMostSteps : kUpperSteps); ++step) {
+      if (system.descend(nu) <= kSettled) break;
+    }
+    if (last) break;
+    nu = std::max(0.5 * nu, kLoopScale);
+  }
+  for (auto& [node, pose] : nodes_) {
+    const Vector6 moved = se3_log(pose.inverse() * system.poses[system.place(node)]);
+    change.metres = std::max(change.metres, moved.head<3>().norm());
+    change.radians = std::max(change.radians, moved.tail<3>().norm());
+    pose = system.poses[system.place(node)];
+  }
+  return change;
+}
+
+Matrix6 PoseGraph::covariance(std::uint32_t from, std::uint32_t to) const {
+  System system(nodes_, constraints_);
+  system.linearise(kLoopScale, system.place(from));
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(system.hessian);
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(system.gradient.size(), 6);
+  const auto at = static_cast<Eigen::Index>(6 * system.place(to));
+  columns.block<6, 6>(at, 0).setIdentity();
+  const Matrix6 covariance = Eigen::MatrixXd(solver.solve(columns)).block<6, 6>(at, 0);
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+double PoseGraph::weight(const Constraint& constraint) const {
+  if (!constraint.loop_closure) return 1;
+  const ConstraintError e = error_of(constraint, nodes_.at(constraint.from), nodes_.at(constraint.to));
+  return welsch_weight(squared_error(constraint, e.error), kLoopScale);
+}
+
+}  // namespace scanlock
