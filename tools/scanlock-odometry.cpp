@@ -35,7 +35,7 @@ struct Options {
 struct Result {
   Trajectory trajectory;  // of every scan that has a pose, predicted ones too
   std::array<std::int64_t, 6> states{};
-  std::int64_t recoveries = 0, false_starts = 0;
+  std::int64_t recoveries = 0, loop_closures = 0, false_starts = 0;
   double distance_m = 0;
   std::vector<double> scan_ms;  // wall clock, each scan
 
@@ -44,9 +44,10 @@ struct Result {
     scan_ms.push_back(ms);
     if (tracked.verdict != ScanVerdict::kTracked && tracked.method == PoseMethod::kNone) return;
     ++states[static_cast<std::size_t>(tracked.state)];
-    const bool recovered = tracked.recovery && tracked.recovery->accepted;
-    recoveries += recovered ? 1 : 0;
-    if (tracked.epoch != epoch_ && !recovered) ++false_starts;
+    const bool corrected = tracked.recovery && tracked.recovery->accepted;
+    recoveries += corrected && !tracked.recovery->loop_closure ? 1 : 0;
+    loop_closures = tracked.loop_closures;
+    if (tracked.epoch != epoch_ && !corrected) ++false_starts;
     if (!trajectory.empty() && tracked.epoch == epoch_)
       distance_m += (tracked.map_from_body.translation() - trajectory.back().pose.translation()).norm();
     epoch_ = tracked.epoch;
@@ -83,6 +84,7 @@ Json summary(const Result& result, const Counters& counters) {
             {"ambiguous", state(TrackingState::kAmbiguous)},
             {"initialising", state(TrackingState::kInitialising)}}},
           {"recoveries", result.recoveries},
+          {"loop_closures", result.loop_closures},
           {"false_starts", result.false_starts},
           {"used", counters.used},
           {"rejected", counters.rejected()},

@@ -29,9 +29,9 @@ BackgroundSearch::~BackgroundSearch() {
   if (thread_.joinable()) thread_.join();
 }
 
-void BackgroundSearch::start(RecoveryRequest request) {
+void BackgroundSearch::start(MapRequest request) {
   if (at_once_) {
-    answer_ = finder_.find(request);
+    answer_ = worker_.work(request);
     return;
   }
   {
@@ -42,7 +42,7 @@ void BackgroundSearch::start(RecoveryRequest request) {
   wake_.notify_one();
 }
 
-std::optional<RecoveryAnswer> BackgroundSearch::poll() {
+std::optional<MapAnswer> BackgroundSearch::poll() {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   return std::exchange(answer_, std::nullopt);
@@ -54,12 +54,12 @@ void BackgroundSearch::work() {
   while (true) {
     wake_.wait(lock, [this] { return stop_ || request_; });
     if (stop_) return;
-    std::optional<RecoveryRequest> request = std::exchange(request_, std::nullopt);
+    std::optional<MapRequest> request = std::exchange(request_, std::nullopt);
     lock.unlock();
-    std::optional<RecoveryAnswer> answer;
+    std::optional<MapAnswer> answer;
     std::exception_ptr failure;
     try {
-      answer = finder_.find(*request);
+      answer = worker_.work(*request);
     } catch (...) {
       failure = std::current_exception();
     }

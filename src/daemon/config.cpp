@@ -263,6 +263,8 @@ void check_channels(const DaemonConfig& daemon) {
         std::pair(daemon.odometry_channel, "output.odometry_channel"),
         std::pair(daemon.status_channel, "output.status_channel"),
         std::pair(daemon.recovery_channel, "output.recovery_channel"),
+        std::pair(daemon.local_pose_channel, "output.local_pose_channel"),
+        std::pair(daemon.local_to_map_channel, "output.local_to_map_channel"),
         std::pair(daemon.rigid_transform_channel, "output.rigid_transform_channel"),
         std::pair(daemon.nav_odometry_channel, "output.nav_odometry_channel"),
         std::pair(daemon.pose2d_channel, "output.pose2d_channel"),

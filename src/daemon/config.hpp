@@ -43,7 +43,9 @@ struct DaemonConfig {
   std::string odometry_channel = "SCANLOCK_ODOMETRY";
   std::string status_channel = "SCANLOCK_STATUS";
   std::string recovery_channel = "SCANLOCK_RECOVERY";
-  std::string rigid_transform_channel;  ///< empty: not published; so are the next two
+  std::string local_pose_channel = "SCANLOCK_LOCAL_POSE";
+  std::string local_to_map_channel;  ///< empty: not published; so are the next three
+  std::string rigid_transform_channel;
   std::string nav_odometry_channel;
   std::string pose2d_channel;
   std::string twist_frame = "local";  ///< of the velocities in bot_core.pose_t: local, body or zero

@@ -62,6 +62,8 @@ std::vector<ConfigKey> make_table() {
     make_key("output", "odometry_channel", &D::odometry_channel, "", 0, kMaxChannelLength, "scanlock.odometry_t for each scan; empty: not published"),
     make_key("output", "status_channel", &D::status_channel, "", 0, kMaxChannelLength, "scanlock.status_t each period and at each change of state; empty: not published"),
     make_key("output", "recovery_channel", &D::recovery_channel, "", 0, kMaxChannelLength, "scanlock.recovery_t at the end of each attempt to come back; empty: not published"),
+    make_key("output", "local_pose_channel", &D::local_pose_channel, "", 0, kMaxChannelLength, "bot_core.pose_t of the same motion in a frame that never jumps, and drifts instead; empty: not published"),
+    make_key("output", "local_to_map_channel", &D::local_to_map_channel, "", 0, kMaxChannelLength, "bot_core.rigid_transform_t from that frame to the map, for instance LOCAL_TO_MAP; empty: not published"),
     make_key("output", "rigid_transform_channel", &D::rigid_transform_channel, "", 0, kMaxChannelLength, "bot_core.rigid_transform_t, for instance BODY_TO_LOCAL; empty: not published"),
     make_key("output", "nav_odometry_channel", &D::nav_odometry_channel, "", 0, kMaxChannelLength, "nav_msgs.Odometry, for instance /odometry#nav_msgs.Odometry; empty: not published"),
     make_key("output", "pose2d_channel", &D::pose2d_channel, "", 0, kMaxChannelLength, "pose2D_t of mbot, for instance SLAM_POSE; empty: not published"),

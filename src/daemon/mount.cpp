@@ -27,7 +27,8 @@ std::uint32_t turned_axes(std::uint32_t sensor_axes, const Eigen::Matrix3d& body
 TrackedScan seen_from_body(TrackedScan tracked, const Pose& body_from_sensor) {
   // P_body = M P_sensor M^-1, hence P_sensor exp(xi) becomes P_body exp(Ad(M) xi).
   const Matrix6 to_body = adjoint(body_from_sensor);
-  tracked.map_from_body = body_from_sensor * tracked.map_from_body * body_from_sensor.inverse();
+  for (Pose* pose : {&tracked.map_from_body, &tracked.local_from_body})
+    *pose = body_from_sensor * *pose * body_from_sensor.inverse();
   if (tracked.recovery) {
     for (Pose* pose : {&tracked.recovery->map_from_body, &tracked.recovery->map_from_predicted})
       *pose = body_from_sensor * *pose * body_from_sensor.inverse();

@@ -17,6 +17,11 @@ std::string host_name() {
   return name;
 }
 
+TrackedScan with_pose(TrackedScan tracked, const Pose& pose) {
+  tracked.map_from_body = pose;
+  return tracked;
+}
+
 TwistFrame parse_twist_frame(const std::string& name) {
   return name == "body" ? TwistFrame::kBody : name == "zero" ? TwistFrame::kZero : TwistFrame::kLocal;
 }
@@ -81,17 +86,27 @@ bool Outputs::status_is_due(std::int64_t utime) const {
 }
 
 void Outputs::publish_recovery(const Recovery& recovery, std::int64_t utime) {
-  statistics_.count(recovery.accepted ? &Counters::recoveries : &Counters::recovery_failures);
-  statistics_.say(LogLevel::kInfo, std::string("search for the place at utime ") + std::to_string(utime) +
-                                       (recovery.accepted ? ", accepted: " : ", not accepted: ") +
-                                       recovery.reason);
+  if (recovery.loop_closure) {
+    statistics_.say(LogLevel::kInfo, "loop closure at utime " + std::to_string(utime));
+  } else {
+    statistics_.count(recovery.accepted ? &Counters::recoveries : &Counters::recovery_failures);
+    statistics_.say(LogLevel::kInfo, std::string("search for the place at utime ") + std::to_string(utime) +
+                                         (recovery.accepted ? ", accepted: " : ", not accepted: ") +
+                                         recovery.reason);
+  }
   send(config_.recovery_channel, encode_recovery(report_of(recovery, utime, recovery_seq_++, !replay())));
 }
 
 void Outputs::publish_poses(const TrackedScan& tracked, const OdometryContext& context) {
   send(config_.odometry_channel, encode_odometry(tracked, context));
-  // These types cannot say what a pose is worth: until a place in a loaded map is believed there is none.
-  if (!tracked.localised || (tracked.method == PoseMethod::kPredicted && !config_.predicted_poses)) return;
+  // These types cannot say what a pose is worth.
+  if (tracked.method == PoseMethod::kPredicted && !config_.predicted_poses) return;
+  send(config_.local_pose_channel, encode_pose(with_pose(tracked, tracked.local_from_body), twist_frame_));
+  if (!tracked.localised) return;  // until a hypothesis in a loaded map is accepted there is no pose in it
+  if (!config_.local_to_map_channel.empty()) {
+    const Pose map_from_local = tracked.map_from_body * tracked.local_from_body.inverse();
+    send(config_.local_to_map_channel, encode_rigid_transform(with_pose(tracked, map_from_local)));
+  }
   send(config_.pose_channel, encode_pose(tracked, twist_frame_));
   if (!config_.rigid_transform_channel.empty())
     send(config_.rigid_transform_channel, encode_rigid_transform(tracked));

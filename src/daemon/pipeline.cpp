@@ -38,10 +38,10 @@ Pipeline::Pipeline(const Config& config, Statistics& statistics, Mode mode)
       body_from_sensor_(body_from_sensor(config.daemon.mount)),
       statistics_(statistics),
       maps_(config.daemon.map, statistics),
-      tracker_(config.tracker),
+      mapper_(config.tracker),
       judge_(body_from_sensor_),
-      search_(mode == Mode::kReplay) {
-  if (std::optional<SavedMap> saved = maps_.load_at_start()) tracker_.load(std::move(*saved));
+      search_(config.tracker, mode == Mode::kReplay) {
+  if (std::optional<SavedMap> saved = maps_.load_at_start()) mapper_.load(std::move(*saved));
 }
 
 FinishedScan Pipeline::process(const ReceivedScan& received) {
@@ -51,12 +51,12 @@ FinishedScan Pipeline::process(const ReceivedScan& received) {
   finished.arrival = received.arrival;
   finished.tracked.utime = received.scan.utime;
   try {
-    if (auto answer = search_.poll()) tracker_.give(std::move(*answer));
+    if (auto answer = search_.poll()) mapper_.give(std::move(*answer));
     track(received, &finished);
-    if (auto request = tracker_.take_request()) search_.start(std::move(*request));
+    if (auto request = mapper_.take_request()) search_.start(std::move(*request));
   } catch (const std::exception& error) {  // out of memory, at most; the next scan begins anew
     statistics_.complain(std::string("a scan could not be tracked, starting anew: ") + error.what());
-    tracker_.reset();
+    mapper_.reset();
     finished.tracked.verdict = ScanVerdict::kEmpty;
     finished.tracked.why = error.what();
   }
@@ -69,13 +69,13 @@ void Pipeline::track(const ReceivedScan& received, FinishedScan* finished) {
   auto mark = Clock::now();
   finished->times.decode_ms = static_cast<float>(received.decode_ms);
   finished->times.wait_ms = milliseconds(mark - received.arrival) - finished->times.decode_ms;
-  tracker_.set_stage_observer([&](Stage stage) {
+  mapper_.set_stage_observer([&](Stage stage) {
     const auto now = Clock::now();
     stages[static_cast<std::size_t>(stage)] += milliseconds(now - mark);
     mark = now;
   });
   finished->tracked = seen_from_body(track_with_prior(received), body_from_sensor_);
-  tracker_.set_stage_observer(nullptr);
+  mapper_.set_stage_observer(nullptr);
   finished->times.preprocess_ms = stages[0];
   finished->times.align_ms = stages[1];
   finished->times.map_ms = stages[2];
@@ -84,7 +84,7 @@ void Pipeline::track(const ReceivedScan& received, FinishedScan* finished) {
 }
 
 TrackedScan Pipeline::track_with_prior(const ReceivedScan& received) {
-  TrackedScan tracked = tracker_.track(received.scan, judge_.prior(received.prior));
+  TrackedScan tracked = mapper_.track(received.scan, judge_.prior(received.prior));
   const std::int64_t before = judge_.contradictions();
   const auto sentence = judge_.learn(received.prior, tracked);
   const std::int64_t contradictions = judge_.contradictions() - before;
@@ -120,25 +120,25 @@ void Pipeline::attempt(const Command& command) {
   const Pose& mount = body_from_sensor_;
   switch (command.kind) {
     case CommandKind::kSetPose:
-      return tracker_.set_pose(mount.inverse() * command.map_from_body * mount);
+      return mapper_.set_pose(mount.inverse() * command.map_from_body * mount);
     case CommandKind::kReset:
-      return tracker_.reset();
+      return mapper_.reset();
     case CommandKind::kSaveMap:
       if (mode_ == Mode::kReplay)
         throw std::runtime_error(
             "a replay does not write the files that were written when its log was recorded");
-      return maps_.save_on_command(command.path, tracker_.save());
+      return maps_.save_on_command(command.path, mapper_.save());
     case CommandKind::kLoadMap:
-      return tracker_.load(maps_.load(command.path));
+      return mapper_.load(maps_.load(command.path));
   }
 }
 
 void Pipeline::save_map_when_due() {
-  if (maps_.is_due(Clock::now())) maps_.save_if_grown(tracker_.save());
+  if (maps_.is_due(Clock::now())) maps_.save_if_grown(mapper_.save());
 }
 
 void Pipeline::finish() {
-  maps_.save_at_exit(tracker_.save());
+  maps_.save_at_exit(mapper_.save());
 }
 
 }  // namespace scanlock

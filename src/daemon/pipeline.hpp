@@ -11,9 +11,9 @@
 #include "daemon/map_store.hpp"
 #include "daemon/publisher_watch.hpp"
 #include "daemon/statistics.hpp"
+#include "mapping/mapper.hpp"
 #include "messages/reports.hpp"
 #include "odometry/prior_judge.hpp"
-#include "odometry/tracker.hpp"
 
 namespace scanlock {
 
@@ -44,7 +44,7 @@ class Pipeline {
   /// At the end: saves the configured map. Throws std::runtime_error with a sentence when that fails.
   void finish();
 
-  PointCloud map() const { return tracker_.map(); }
+  PointCloud map() const { return mapper_.map(); }
 
  private:
   void track(const ReceivedScan& received, FinishedScan* finished);
@@ -56,7 +56,7 @@ class Pipeline {
   const Pose body_from_sensor_;
   Statistics& statistics_;
   MapStore maps_;
-  Tracker tracker_;
+  Mapper mapper_;
   PriorJudge judge_;
   PublisherWatch publishers_;
   BackgroundSearch search_;

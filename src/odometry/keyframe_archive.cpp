@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kSpacing = 1.0 / 6.0;       // of the reach, between two places
 constexpr double kSuperseded = 1.0 / 3.0;    // of the reach, around a new place
+constexpr std::size_t kTrail = 6;            // keyframes added in one reach of way
+constexpr double kRigid = 1e-3;              // metres and radians, of a map that was saved
 constexpr std::int64_t kFresh = 60000000;    // microseconds: the drift of a minute does not matter
 constexpr double kNeighbourhood = 20.0;      // metres
 constexpr std::size_t kMostPoints = 3000;    // of a place
@@ -70,40 +72,78 @@ double KeyframeArchive::scene(const Eigen::Vector3d& position) const {
 }
 
 void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double reach,
-                          const PointCloud& points) {
+                          const PointCloud& points, const std::optional<OdometryTie>& tie) {
   PointCloud thin;
   thin.x = points.x;
   thin.y = points.y;
   thin.z = points.z;
   for (double voxel = kFirstVoxel * std::max(reach, 1.0); thin.size() > kMostPoints; voxel *= std::sqrt(2.0))
     thin = select(thin, thin_by_voxel(thin, static_cast<float>(voxel)));
-  const auto superseded = [&](const ArchivedKeyframe& k) {
-    return !is_fresh(k, utime) &&
-           (k.map_from_body.translation() - map_from_body.translation()).norm() < kSuperseded * reach;
-  };
-  keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(), superseded), keyframes_.end());
-  keyframes_.push_back({utime,
-                        map_from_body,
-                        static_cast<float>(reach),
-                        std::make_shared<const PointCloud>(std::move(thin)),
-                        {}});
+  if (keyframes_.size() >= kTrail) supersede(ArchivedKeyframe(keyframes_[keyframes_.size() - kTrail]));
+  ArchivedKeyframe keyframe;
+  keyframe.utime = utime;
+  keyframe.map_from_body = map_from_body;
+  keyframe.reach = static_cast<float>(reach);
+  keyframe.points = std::make_shared<const PointCloud>(std::move(thin));
+  keyframe.id = next_id_++;
+  keyframe.tie = tie;
+  keyframes_.push_back(std::move(keyframe));
   evict();
 }
 
-void KeyframeArchive::note_stand(const Pose& map_from_body) {
+void KeyframeArchive::supersede(const ArchivedKeyframe& by) {
+  const auto superseded = [&](const ArchivedKeyframe& k) {
+    return !is_fresh(k, by.utime) && (k.map_from_body.translation() - by.map_from_body.translation()).norm() <
+                                         kSuperseded * static_cast<double>(by.reach);
+  };
+  keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(), superseded), keyframes_.end());
+}
+
+void KeyframeArchive::move(const std::map<std::uint32_t, Pose>& map_from_body) {
+  for (ArchivedKeyframe& keyframe : keyframes_) {
+    const auto moved = map_from_body.find(keyframe.id);
+    if (moved == map_from_body.end()) continue;
+    const Eigen::Matrix3f turn =
+        (moved->second.linear() * keyframe.map_from_body.linear().transpose()).cast<float>();
+    for (Eigen::Vector3f& stand : keyframe.stands) stand = turn * stand;
+    keyframe.map_from_body = moved->second;
+  }
+}
+
+const ArchivedKeyframe* KeyframeArchive::find(std::uint32_t id) const {
+  const auto at = std::lower_bound(keyframes_.begin(), keyframes_.end(), id,
+                                   [](const ArchivedKeyframe& k, std::uint32_t i) { return k.id < i; });
+  return at != keyframes_.end() && at->id == id ? &*at : nullptr;
+}
+
+std::size_t KeyframeArchive::nearest_index(const Eigen::Vector3d& position) const {
   const auto distance = [&](const ArchivedKeyframe& k) {
-    return (k.map_from_body.translation() - map_from_body.translation()).squaredNorm();
+    return (k.map_from_body.translation() - position).squaredNorm();
   };
   const auto nearest = std::min_element(
       keyframes_.begin(), keyframes_.end(),
       [&](const ArchivedKeyframe& a, const ArchivedKeyframe& b) { return distance(a) < distance(b); });
-  if (nearest == keyframes_.end() || nearest->stands.size() >= kMostStands) return;
+  return static_cast<std::size_t>(nearest - keyframes_.begin());
+}
+
+void KeyframeArchive::note_stand(const Pose& map_from_body) {
+  if (keyframes_.empty()) return;
+  std::vector<Eigen::Vector3f>& stands = keyframes_[nearest_index(map_from_body.translation())].stands;
   const Eigen::Vector3f up = map_from_body.linear().col(2).cast<float>();
-  if (!stands_alike(nearest->stands, up)) nearest->stands.push_back(up);
+  if (stands.size() < kMostStands && !stands_alike(stands, up)) stands.push_back(up);
 }
 
 void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes) {
   keyframes_ = std::move(keyframes);
+  next_id_ = 1;
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    keyframes_[i].id = next_id_++;
+    keyframes_[i].tie.reset();
+    if (i == 0) continue;
+    const ArchivedKeyframe& before = keyframes_[i - 1];
+    keyframes_[i].tie = {before.id, before.map_from_body.inverse() * keyframes_[i].map_from_body,
+                         kRigid * kRigid * Matrix6::Identity()};
+  }
   evict();
 }
 

@@ -3,13 +3,22 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 
 namespace scanlock {
+
+/// How a keyframe lies to an earlier one, by odometry.
+struct OdometryTie {
+  std::uint32_t before = 0;  ///< the earlier one, its id
+  Pose before_from_here = Pose::Identity();
+  Matrix6 covariance = Matrix6::Zero();  ///< right perturbation, [metres; radians]
+};
 
 /// A place that the robot has been to: what it saw from there.
 struct ArchivedKeyframe {
@@ -19,6 +28,8 @@ struct ArchivedKeyframe {
   std::shared_ptr<const PointCloud> points;  ///< x y z only, deskewed and thinned, body frame; never null
   /// The ways in which the body stood about here: its z axis, axes of the map, some degrees apart.
   std::vector<Eigen::Vector3f> stands = {};
+  std::uint32_t id = 0;                           ///< from 1 on, in the order in which they were added
+  std::optional<OdometryTie> tie = std::nullopt;  ///< none of the first one
 };
 
 inline constexpr std::size_t kMostStands = 32;  ///< of a place
@@ -49,20 +60,34 @@ class KeyframeArchive {
   /// The size of the scene around a position: the mean reach, metres, of the places there. Not of an empty
   /// one.
   double scene(const Eigen::Vector3d& position) const;
-  /// `points` in the body frame, any density. Older places within a third of `reach` give way.
-  void add(std::int64_t utime, const Pose& map_from_body, double reach, const PointCloud& points);
+  /// `points` in the body frame, any density. Once the robot has gone on by about its reach, places that are
+  /// more than a minute older give way within a third of it.
+  void add(std::int64_t utime, const Pose& map_from_body, double reach, const PointCloud& points,
+           const std::optional<OdometryTie>& tie = std::nullopt);
   /// The body stood like this: on slopes that differs from one step to the next.
   void note_stand(const Pose& map_from_body);
+  /// What was saved, with ids and ties of its own: it is taken for rigid.
   void restore(std::vector<ArchivedKeyframe> keyframes);
+  /// New poses, by id.
+  void move(const std::map<std::uint32_t, Pose>& map_from_body);
   void clear();
 
   const std::vector<ArchivedKeyframe>& keyframes() const { return keyframes_; }
   bool empty() const { return keyframes_.empty(); }
+  /// The keyframe with that id; null where it has given way.
+  const ArchivedKeyframe* find(std::uint32_t id) const;
+  /// Not of an empty one.
+  const ArchivedKeyframe& nearest(const Eigen::Vector3d& position) const {
+    return keyframes_[nearest_index(position)];
+  }
   std::size_t points() const { return points_; }
 
  private:
+  std::size_t nearest_index(const Eigen::Vector3d& position) const;
+  void supersede(const ArchivedKeyframe& by);
   void evict();
 
+  std::uint32_t next_id_ = 1;
   std::size_t max_points_, points_ = 0;
   std::vector<ArchivedKeyframe> keyframes_;
 };

@@ -66,6 +66,10 @@ std::uint32_t Attempt::open_axes() const {
                              alignment.noise / variance, pose_covariance(prior));
 }
 
+Matrix6 Attempt::information() const {
+  return corrected(*this, variance).information.topLeftCorner<6, 6>() / variance;
+}
+
 Odometer::Odometer(const TrackerConfig& config)
     : config_(config),
       map_({config.max_keyframes, config.max_map_points, config.max_range_m}),
@@ -79,6 +83,7 @@ void Odometer::start(std::int64_t utime, const PreparedScan& scan, const MovingP
   set_planar(scan.planar);
   filter_.start(guess);
   drift_.setZero();
+  new_drift_.setZero();
   measured_.setZero();
   untold_ = 1;
   first_.utime = utime;
@@ -119,9 +124,13 @@ void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
 
 void Odometer::take_usual_from(const Odometer& other) {
   if (health_.has_history()) return;
-  health_ = other.health_;
-  sigma_ = other.sigma_;
-  share_ = other.share_;
+  set_usual(other.usual());
+}
+
+void Odometer::set_usual(const Usual& usual) {
+  health_ = usual.health;
+  sigma_ = usual.sigma;
+  share_ = usual.share;
 }
 
 ScanAlignmentOptions Odometer::options(const PreparedScan& scan, const MotionPrior& prior,
@@ -200,7 +209,7 @@ void Odometer::accept(const Attempt& attempt) {
   const Matrix12& covariance = filter_.covariance();
   measured_ = (covariance * (real.information / variance()) * covariance).topLeftCorner<6, 6>();
   measured_.diagonal() += bend_.cwiseAbs2();
-  drift_ += untold_ * measured_;
+  add_drift(untold_ * measured_);
   untold_ = 0;
   health_.remember(attempt.health);
 }
@@ -214,6 +223,7 @@ void Odometer::coast(const MotionPrior& prior) {
 void Odometer::set_pose(const Pose& map_from_body) {
   filter_.start({map_from_body, Vector6::Zero()});
   drift_.setZero();
+  new_drift_.setZero();
 }
 
 /// A velocity that changes at a rate a while a scan of T seconds is taken is a straight line to the
@@ -226,7 +236,12 @@ Matrix6 Odometer::pose_covariance() const {
 
 void Odometer::follow_drift(const Pose& before) {
   const Matrix6 moved = adjoint(filter_.state().pose.inverse() * before);
-  drift_ = moved * drift_ * moved.transpose();
+  for (Matrix6* drift : {&drift_, &new_drift_}) *drift = moved * *drift * moved.transpose();
+}
+
+void Odometer::add_drift(const Matrix6& more) {
+  drift_ += more;
+  new_drift_ += more;
 }
 
 void Odometer::keep(std::int64_t utime, const PreparedScan& scan, double overlap) {
@@ -246,7 +261,7 @@ void Odometer::insert(std::int64_t utime, const PreparedScan& scan, const Moving
   keyframe.map_from_body = moving.pose;
   keyframe.points = deskewed(scan.fine, moving.twist);
   // Ground that is new lies where the scan was seen from, as well as that was known.
-  drift_ += map_.insert(std::move(keyframe), scan.voxel) * measured_;
+  add_drift(map_.insert(std::move(keyframe), scan.voxel) * measured_);
   last_keyframe_pose_ = moving.pose;
 }
 

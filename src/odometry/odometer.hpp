@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "icp/scan_alignment.hpp"
@@ -52,6 +53,8 @@ struct Attempt {
   double variance = 1;  ///< m^2, of a residual, its correlations counted in
   /// The axes that the scene leaves open, as bits: see Degeneracy.
   std::uint32_t open_axes() const;
+  /// Of its pose alone: of the data, less what errors of normals make of it, m^-2 and so on.
+  Matrix6 information() const;
   /// Unexplained share of the scan.
   double cost() const { return 1.0 - health.overlap * (1.0 - health.energy); }
 };
@@ -117,6 +120,17 @@ class Odometer {
   /// Of the map around the robot, against the frame in which it was started: order and frame as those of the
   /// pose in covariance().
   const Matrix6& drift() const { return drift_; }
+  void set_drift(const Matrix6& drift) { drift_ = drift; }
+  /// What was added to it since the last call, in the same frame.
+  Matrix6 take_new_drift() { return std::exchange(new_drift_, Matrix6::Zero()); }
+
+  /// What alignments usually cost: a value, for another odometer of the same sensor.
+  struct Usual {
+    HealthMonitor health;
+    double sigma = 0, share = 1;
+  };
+  Usual usual() const { return {health_, sigma_, share_}; }
+  void set_usual(const Usual& usual);
 
  private:
   ScanAlignmentOptions options(const PreparedScan& scan, const MotionPrior& prior, Reach reach) const;
@@ -137,7 +151,8 @@ class Odometer {
   double sigma_;  ///< metres, of a residual: robust, smoothed
   Pose last_keyframe_pose_ = Pose::Identity();
   Keyframe first_;  ///< its points as they came, until their motion is known
-  Matrix6 drift_ = Matrix6::Zero();
+  void add_drift(const Matrix6& more);
+  Matrix6 drift_ = Matrix6::Zero(), new_drift_ = Matrix6::Zero();
   Vector6 bend_ = Vector6::Zero();  ///< see pose_covariance()
   /// Of the last pose against the map, as far as a scan told it: what new ground is seen with.
   Matrix6 measured_ = Matrix6::Zero();

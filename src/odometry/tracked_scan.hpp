@@ -53,6 +53,7 @@ const char* to_string(ScanVerdict verdict);
 struct Recovery {
   RecoveryAnswer search;
   bool accepted = false;
+  bool loop_closure = false;                   ///< a correction of the map, without a search
   std::string reason;                          ///< why, in words
   std::uint32_t epoch = 0;                     ///< that an acceptance begins
   Pose map_from_body = Pose::Identity();       ///< at the scan it is reported with
@@ -70,7 +71,9 @@ struct TrackedScan {
   PoseMethod method = PoseMethod::kNone;
   StopReason stop_reason = StopReason::kNone;
   Pose map_from_body = Pose::Identity();  ///< holds at exactly `utime`
-  Vector6 twist = Vector6::Zero();        ///< body velocity [m/s; rad/s], in the body frame
+  /// The same motion in a frame that never jumps, and drifts instead.
+  Pose local_from_body = Pose::Identity();
+  Vector6 twist = Vector6::Zero();  ///< body velocity [m/s; rad/s], in the body frame
   Matrix6 covariance =
       Matrix6::Zero();  ///< of the pose, right perturbation: T exp(xi), order [u; phi], in the body frame
   std::uint32_t degenerate_axes = 0;  ///< bit 0..2: x y z translation, 3..5: rotation about x y z (body axes)
@@ -88,6 +91,7 @@ struct TrackedScan {
   double energy_score = 0;     ///< robust z-score of the energy against its history
   int keyframes = 0;
   int map_points = 0;
+  int loop_closures = 0;             ///< accepted so far
   std::optional<Recovery> recovery;  ///< one came to its end with this scan
 };
 

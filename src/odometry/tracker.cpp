@@ -62,6 +62,8 @@ struct Tracker::State {
   // how it is turned, must not matter. What goes in and out is moved.
   Pose map_from_own = Pose::Identity();
   Pose start_pose = Pose::Identity();  // of the first scan, in the own frame
+  Pose local_from_own = Pose::Identity();
+  bool jumped = false;  // in it, since the last keyframe was archived
 
   Sighting last_trusted;
   int distrusted_scans = 0;  // in a row
@@ -242,8 +244,26 @@ struct Tracker::State {
     odometer.keep(now, scan, attempt.health.share);
     if (archive.wants(now, last_trusted.map_from_body.translation(), scan.median_range))
       archive.add(now, last_trusted.map_from_body, scan.median_range,
-                  deskewed(scan.source, odometer.state().twist));
+                  deskewed(scan.source, odometer.state().twist), tie());
     archive.note_stand(last_trusted.map_from_body);
+  }
+
+  /// By odometry to the keyframe before; after a jump by the alignment of now to the one nearest by.
+  std::optional<OdometryTie> tie() {
+    const Matrix6 drift = odometer.take_new_drift();
+    if (archive.empty()) return std::nullopt;
+    const Pose& here = odometer.state().pose;
+    const ArchivedKeyframe* before =
+        jumped ? &archive.nearest(here.translation()) : &archive.keyframes().back();
+    const Matrix6 floor = 1e-8 * Matrix6::Identity();  // (0.1 mm)^2: no chain is rigid
+    const Matrix6 covariance = (jumped ? odometer.pose_covariance() : drift) + floor;
+    jumped = false;
+    return OdometryTie{before->id, before->map_from_body.inverse() * here, covariance};
+  }
+
+  /// Poses in the map went from one to another without any motion.
+  void jump(const Pose& from, const Pose& to) {
+    local_from_own = renormalised(local_from_own * from * to.inverse());
   }
 
   /// Nothing was learnt: the prediction stands in, and is not believed for long.
@@ -283,7 +303,10 @@ struct Tracker::State {
     // The next scans cost what this one does: in a map of archived keyframes, which are thinner, or on new
     // ground that is more than before.
     if (!explains(attempt, kCalmScore)) odometer.forget_usual();
+    const Pose predicted = relocation.excursion().state().pose;
+    jumped = true;
     believe(scan, attempt);
+    jump(predicted, odometer.state().pose);
     describe(attempt, found ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
   }
 
@@ -326,6 +349,7 @@ struct Tracker::State {
     tracked->epoch = epoch;
     tracked->localised = localised;
     tracked->map_from_body = map_from_own * odometer.state().pose;
+    tracked->local_from_body = local_from_own * odometer.state().pose;
     tracked->twist = odometer.state().twist;
     tracked->covariance = in_new_map() ? Matrix6(relocation.excursion().covariance().topLeftCorner<6, 6>())
                                        : Matrix6(odometer.pose_covariance() + odometer.drift());
@@ -415,6 +439,7 @@ void Tracker::reset() {
   auto fresh = std::make_unique<State>(state_->config);
   fresh->epoch = state_->epoch + 1;
   fresh->observer = state_->observer;
+  fresh->local_from_own = state_->local_from_own * state_->odometer.state().pose;
   state_ = std::move(fresh);
 }
 
@@ -422,9 +447,12 @@ void Tracker::set_pose(const Pose& map_from_body) {
   State& s = *state_;
   ++s.epoch;
   s.relocation.end();
+  const Pose before = s.odometer.state().pose;
   if (s.archive.empty()) s.map_from_own = upright(map_from_body);
   const Pose here = renormalised(s.map_from_own.inverse() * map_from_body);
   s.odometer.set_pose(here);
+  s.jump(before, here);
+  s.jumped = true;
   s.start_pose = here;
   s.last_trusted = Sighting();
   s.last_trusted.map_from_body = here;
@@ -459,12 +487,59 @@ void Tracker::load(SavedMap saved) {
           kAnotherRun;
   s.localised = false;
   s.start_pose = s.last_trusted.map_from_body = saved.last_pose;
+  s.jump(s.odometer.state().pose, saved.last_pose);
+  s.jumped = true;
   s.odometer.set_pose(saved.last_pose);
   s.relocation.begin(s.odometer, std::nullopt, false, s.archive);
 }
 
 PointCloud Tracker::map() const {
   return moved(state_->odometer.map().snapshot(), state_->map_from_own);
+}
+
+const KeyframeArchive& Tracker::archive() const {
+  return state_->archive;
+}
+const Pose& Tracker::map_from_own() const {
+  return state_->map_from_own;
+}
+const Pose& Tracker::own_from_body() const {
+  return state_->odometer.state().pose;
+}
+bool Tracker::on_known_ground() const {
+  return state_->state == TrackingState::kTracking && !state_->relocation.lost() && state_->localised;
+}
+std::int64_t Tracker::local_map_utime() const {
+  const auto& keyframes = state_->odometer.map().keyframes();
+  std::int64_t earliest = state_->now;
+  for (const Keyframe& k : keyframes) earliest = std::min(earliest, k.utime);
+  return earliest;
+}
+bool Tracker::planar() const {
+  return state_->odometer.planar();
+}
+double Tracker::voxel() const {
+  return state_->scale.current(0);
+}
+Odometer::Usual Tracker::usual() const {
+  return state_->odometer.usual();
+}
+
+void Tracker::correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, const Pose& map_from_own,
+                      const Matrix6& drift, bool jumps) {
+  State& s = *state_;
+  s.archive.move(own_from_keyframe);
+  s.map_from_own = map_from_own;
+  s.odometer.set_drift(drift);
+  if (jumps) ++s.epoch;
+}
+
+const Matrix6& Tracker::drift() const {
+  return state_->odometer.drift();
+}
+
+void Tracker::set_drift(const Matrix6& drift) {
+  state_->odometer.set_drift(drift);
 }
 
 }  // namespace scanlock

@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 #include "odometry/keyframe_archive.hpp"
+#include "odometry/odometer.hpp"
 #include "odometry/recovery.hpp"
 #include "odometry/tracked_scan.hpp"
 #include "odometry/tracker_config.hpp"
@@ -60,6 +62,26 @@ class Tracker {
 
   /// The map as it stands: points with normals, in the map frame.
   PointCloud map() const;
+
+  // ---- for who ties its keyframes to each other: poses are in the tracker's own frame
+
+  const KeyframeArchive& archive() const;
+  const Pose& map_from_own() const;
+  /// The sensor at the last scan.
+  const Pose& own_from_body() const;
+  /// Whether the last scan was aligned with the map that the archive is of.
+  bool on_known_ground() const;
+  /// Archived keyframes from there on, their utime, may be part of what scans are aligned with.
+  std::int64_t local_map_utime() const;
+  bool planar() const;
+  double voxel() const;  ///< metres, of the map
+  Odometer::Usual usual() const;
+  /// Where the keyframes and the frame are really. `drift`: covariance of the map around the robot against
+  /// the map frame, in the frame of own_from_body(). `jumps`: poses in the map frame jump by it.
+  void correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, const Pose& map_from_own,
+               const Matrix6& drift, bool jumps);
+  void set_drift(const Matrix6& drift);
+  const Matrix6& drift() const;
 
  private:
   struct State;

@@ -11,6 +11,7 @@
 #include <scanlock/odometry_t.hpp>
 #include <scanlock/status_t.hpp>
 
+#include "io/log_poses.hpp"
 #include "process.hpp"
 #include "synthetic.hpp"
 
@@ -161,7 +162,8 @@ TEST_CASE("scanlockd and scanlock-odometry give the same bytes for a log with al
   events.insert(events.begin() + 20, {utime_of(20) - 1, "SCANLOCK_COMMAND", bytes_of(reset)});
   write_log(folder / "in.lcmlog", events);
   write_file(folder / "all.toml",
-             "[output]\nrigid_transform_channel = \"RIGID\"\nnav_odometry_channel = \"NAV\"\n"
+             "[output]\nrigid_transform_channel = \"RIGID\"\nlocal_to_map_channel = "
+             "\"TO_MAP\"\nnav_odometry_channel = \"NAV\"\n"
              "pose2d_channel = \"FLAT\"\nstatus_period_s = 0.5\n");
   for (const std::string out : {"a.lcmlog", "b.lcmlog"})
     CHECK(run(folder, {"scanlock-odometry", folder / "in.lcmlog", "-c", folder / "all.toml", "--output",
@@ -181,12 +183,31 @@ TEST_CASE("scanlockd and scanlock-odometry give the same bytes for a log with al
     if (event.channel == "SCANLOCK_ODOMETRY") epochs |= 1u << decoded<scanlock::odometry_t>(event).epoch;
   }
   // Without the damaged one, the one of another clock and the repeated one; with the empty one, predicted.
-  for (const char* channel : {"POSE_BODY_CORRECTED", "SCANLOCK_ODOMETRY", "RIGID", "NAV", "FLAT"}) {
+  for (const char* channel : {"POSE_BODY_CORRECTED", "SCANLOCK_LOCAL_POSE", "TO_MAP", "SCANLOCK_ODOMETRY",
+                              "RIGID", "NAV", "FLAT"}) {
     CAPTURE(channel);
     CHECK(counts[channel] == kScans - 3);
   }
   CHECK(counts["SCANLOCK_STATUS"] >= 6);
   CHECK(epochs == 3);  // the command was done
+
+  // The local pose goes on where that in the map begins anew, and the transform between the two says how.
+  const auto poses = [&](const char* channel) {
+    return scanlock::read_log_poses(folder / "a.lcmlog", channel).trajectory;
+  };
+  const scanlock::Trajectory in_map = poses("POSE_BODY_CORRECTED"), local = poses("SCANLOCK_LOCAL_POSE"),
+                             map_from_local = poses("TO_MAP");
+  double jump = 0, local_jump = 0;
+  for (std::size_t i = 0; i < local.size(); ++i) {
+    CHECK(scanlock::near(map_from_local[i].pose * local[i].pose, in_map[i].pose, 1e-9, 1e-9));
+    if (i == 0) continue;
+    const auto step = [i](const scanlock::Trajectory& t) {
+      return (t[i].pose.translation() - t[i - 1].pose.translation()).norm();
+    };
+    jump = std::max(jump, step(in_map));
+    local_jump = std::max(local_jump, step(local));
+  }
+  CHECK(jump > 2 * local_jump);
 }
 
 TEST_CASE("a replay from a file loses nothing") {

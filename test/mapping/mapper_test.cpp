@@ -1,0 +1,91 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "mapping/mapper.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "../odometry/room.hpp"
+
+namespace scanlock {
+namespace {
+
+Pose around(int scan) {
+  Vector6 velocity;
+  velocity << 3, 0, 0, 0, 0, 0.8;
+  Pose start = Pose::Identity();
+  start.translation() << 0, -3.75, 0;
+  return start * se3_exp(0.1 * scan * velocity);
+}
+
+Scan seen(int scan) {
+  Vector6 velocity;
+  velocity << 3, 0, 0, 0, 0, 0.8;
+  return hall_scan(around(scan), velocity, 1000000 + 100000 * static_cast<std::int64_t>(scan),
+                   static_cast<unsigned>(scan), 0.1, 2000);
+}
+
+/// A small local map: who goes round the hall forgets what was seen there the last time.
+TrackerConfig forgetful() {
+  TrackerConfig config;
+  config.max_keyframes = 8;
+  config.max_map_points = 3000;
+  config.max_source_points = 1200;
+  return config;
+}
+
+void expect_same(const PoseGraph& graph, const std::vector<ArchivedKeyframe>& keyframes) {
+  CHECK(graph.nodes().size() == keyframes.size() + 1);  // and the origin
+  for (const ArchivedKeyframe& k : keyframes) {
+    REQUIRE(graph.contains(k.id));
+    CHECK(near(graph.nodes().at(k.id), k.map_from_body, 1e-6, 1e-6));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("round after round the map is one, and its poses are as certain as after the first") {
+  Mapper mapper(forgetful());
+  MapWorker worker(forgetful());
+  double once = 0, worst = 0;
+  TrackedScan tracked;
+  for (int i = 0; i < 900; ++i) {
+    tracked = mapper.track(seen(i));
+    worst = std::max(
+        worst,
+        se3_log(around(0).inverse() * around(i)).norm() > 0
+            ? se3_log((around(0).inverse() * around(i)).inverse() * tracked.map_from_body).head<3>().norm()
+            : 0.0);
+    if (auto request = mapper.take_request()) {
+      CHECK_FALSE(mapper.take_request());  // one is out at a time
+      mapper.give(worker.work(*request));
+    }
+    if (i == 100) once = tracked.covariance.topLeftCorner<3, 3>().trace();
+  }
+  CHECK(tracked.state == TrackingState::kTracking);
+  CHECK(tracked.epoch == 0);
+  CHECK(tracked.loop_closures > 0);
+  CHECK(worst < 0.05);
+  CHECK(tracked.covariance.topLeftCorner<3, 3>().trace() < 4 * once);
+  CHECK(near(tracked.map_from_body, tracked.local_from_body, 0.05, 0.01));
+  expect_same(mapper.graph(), mapper.save().keyframes);
+}
+
+TEST_CASE("a map that was saved is one graph again, and a reset leaves none") {
+  Mapper mapper(forgetful());
+  for (int i = 0; i < 40; ++i) mapper.track(seen(i));
+  const SavedMap saved = mapper.save();
+  Mapper other(forgetful());
+  other.load(saved);
+  other.track(seen(40));
+  CHECK(other.graph().nodes().size() == saved.keyframes.size() + 1);
+  CHECK(other.graph().constraints().size() == saved.keyframes.size());
+  other.reset();
+  CHECK(other.graph().nodes().empty());
+  other.track(seen(0));
+  other.track(seen(1));
+  CHECK(other.graph().nodes().size() == 2);
+}
+
+}  // namespace scanlock
