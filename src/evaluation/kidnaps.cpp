@@ -16,20 +16,12 @@ namespace {
 constexpr double kJumpMetres = 1.0, kJumpAngle = 20 * kDegree;
 constexpr double kAcceleration = 20, kAngularAcceleration = 50;  // m/s^2, rad/s^2: more than any vehicle's
 constexpr double kRise = 1.0;                                    // metres between two claims: no drift
-constexpr double kSameTime = 2e-6;                               // seconds; doubles near 1.6e9 hold 0.2 us
 
 double metres(const Pose& difference) {
   return difference.translation().norm();
 }
 double degrees(const Pose& difference) {
   return so3_log(difference.linear()).norm() / kDegree;
-}
-
-const StampedState* said_at(const std::vector<StampedState>& states, double time_s) {
-  const auto found =
-      std::lower_bound(states.begin(), states.end(), time_s - kSameTime,
-                       [](const StampedState& state, double time) { return state.time_s < time; });
-  return found == states.end() || found->time_s > time_s + kSameTime ? nullptr : &*found;
 }
 
 /// The rotation nearest to the mean of R_reference R_estimate^T, and the translation that goes with it.
@@ -164,6 +156,10 @@ std::vector<Kidnap> find_kidnaps(const Trajectory& reference) {
   return kidnaps;
 }
 
+double first_kidnap_s(const std::vector<Kidnap>& kidnaps) {
+  return kidnaps.empty() ? std::numeric_limits<double>::infinity() : kidnaps.front().time_s - kSameTime;
+}
+
 std::optional<TrackingState> state_at(const std::vector<StampedState>& states, double time_s) {
   const StampedState* found = said_at(states, time_s);
   return found != nullptr ? std::optional<TrackingState>(found->state) : std::nullopt;
@@ -174,7 +170,7 @@ KidnapReport examine_kidnaps(const Trajectory& reference, const PosePairs& pairs
   constexpr double kNever = std::numeric_limits<double>::infinity();
   KidnapReport report;
   report.kidnaps = find_kidnaps(reference);
-  const double first_s = report.kidnaps.empty() ? kNever : report.kidnaps.front().time_s - kSameTime;
+  const double first_s = first_kidnap_s(report.kidnaps);
   report.reference_from_estimate = mean_alignment(pairs, states, first_s, kind);
   for (std::size_t i = 0; i < report.kidnaps.size(); ++i) {
     const double next_s = i + 1 < report.kidnaps.size() ? report.kidnaps[i + 1].time_s : kNever;

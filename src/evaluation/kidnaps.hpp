@@ -44,6 +44,9 @@ constexpr double kWrongMetres = 2.0, kNoticedSeconds = 0.35;
 KidnapReport examine_kidnaps(const Trajectory& reference, const PosePairs& pairs,
                              const std::vector<StampedState>& states, Overlay kind);
 
+/// Seconds, a little before the first of the kidnaps; infinite where there is none.
+double first_kidnap_s(const std::vector<Kidnap>& kidnaps);
+
 /// The state at a time, or nothing within a microsecond or two. `states` in the order of time.
 std::optional<TrackingState> state_at(const std::vector<StampedState>& states, double time_s);
 

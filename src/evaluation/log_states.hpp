@@ -15,6 +15,9 @@ struct StampedState {
   double time_s = 0;  ///< seconds, stamp of the scan
   TrackingState state = TrackingState::kInitialising;
   std::uint32_t epoch = 0;
+  std::uint32_t degenerate_axes = 0;  ///< bits 0..2: translation along body x y z, 3..5: rotation about them
+  Pose map_from_body = Pose::Identity();
+  Matrix6 covariance = Matrix6::Zero();  ///< of T exp(xi), [translation; rotation] in the body frame
 };
 
 /// The channel on which scanlockd publishes what its poses are worth.
@@ -25,5 +28,11 @@ constexpr const char* kDefaultOdometryChannel = "SCANLOCK_ODOMETRY";
 /// read.
 std::vector<StampedState> load_states(const std::string& source,
                                       const std::string& channel = kDefaultOdometryChannel);
+
+constexpr double kSameTime = 2e-6;  ///< seconds; doubles near 1.6e9 hold 0.2 us
+
+/// What was said at a time, or null where nothing was within a microsecond or two. `states` in the order of
+/// time.
+const StampedState* said_at(const std::vector<StampedState>& states, double time_s);
 
 }  // namespace scanlock

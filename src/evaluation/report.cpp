@@ -46,6 +46,12 @@ std::string relative_text(const std::optional<RelativeError>& error) {
   return number("%.3f %%, ", error->percent) + number("%.5f deg/m", error->deg_per_m);
 }
 
+std::string nees_text(const Nees& nees) {
+  return number("%.2f", nees.mean) + " on average of " + std::to_string(nees.poses) + " poses, " +
+         std::to_string(nees.dof) + " expected; " + number("%.1f %%", 100 * nees.beyond_99) + " beyond " +
+         number("%.2f", nees.dof == 3 ? kBeyond99Of3 : kBeyond99Of6) + ", 1 % expected";
+}
+
 struct Range {
   double min, max;
 };
@@ -212,6 +218,7 @@ std::vector<std::pair<std::string, std::string>> result_rows(const Comparison& c
   for (std::size_t i = 0; i < kRelativeLengths.size(); ++i)
     rows.push_back({"RPE over " + number("%.0f m", kRelativeLengths[i]), relative_text(evaluation.rpe[i])});
   rows.push_back({"KITTI 100 to 800 m", relative_text(evaluation.kitti)});
+  if (comparison.nees) rows.push_back({"NEES", nees_text(*comparison.nees)});
   for (const Kidnap& kidnap : comparison.kidnaps.kidnaps) {
     const double since_start = kidnap.time_s - comparison.reference.front().time_s;
     rows.push_back({number("at %.1f s", since_start), kidnap_words(kidnap)});

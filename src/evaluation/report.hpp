@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "evaluation/kidnaps.hpp"
 #include "evaluation/metrics.hpp"
+#include "evaluation/nees.hpp"
 
 namespace scanlock {
 
@@ -19,6 +21,7 @@ struct Comparison {
   Evaluation evaluation;
   KidnapReport kidnaps;
   std::vector<StampedState> states;  ///< of the estimate, in the order of time; empty: not known
+  std::optional<Nees> nees;          ///< of the same states; nothing: not known
 };
 
 /// The result as rows of a table: what, and how much with its unit ("-" where the way is too short).

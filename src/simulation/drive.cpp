@@ -69,10 +69,8 @@ SpeedPlan plan_speeds(const Polyline& route, const DriveStyle& style, Random& ra
   return plan;
 }
 
-/// Arc length at each knot: the plan with limited acceleration, then smoothed in time so that jerk is limited
-/// too.
-std::vector<double> drive_distances(const Polyline& route, const DriveStyle& style, double seconds,
-                                    Random& random) {
+/// The plan with limited acceleration.
+SpeedPlan plan_drive(const Polyline& route, const DriveStyle& style, Random& random) {
   SpeedPlan plan = plan_speeds(route, style, random);
   std::vector<double>& v = plan.limit;
   for (std::size_t i = 1; i < v.size(); ++i)
@@ -87,7 +85,19 @@ std::vector<double> drive_distances(const Polyline& route, const DriveStyle& sty
     v[i] = std::sqrt(left);
     plan.dwell[i] = 0;
   }
+  return plan;
+}
 
+/// Seconds from leaving step i of the route to coming to the next one.
+double travel_time(const SpeedPlan& plan, std::size_t i) {
+  return 2 * plan.step / std::max(1e-9, plan.limit[i] + plan.limit[i + 1]);
+}
+
+/// Arc length at each knot: as planned, then smoothed in time so that jerk is limited too.
+std::vector<double> drive_distances(const Polyline& route, const DriveStyle& style, double seconds,
+                                    Random& random) {
+  const SpeedPlan plan = plan_drive(route, style, random);
+  const std::vector<double>& v = plan.limit;
   const auto knots = static_cast<std::size_t>(std::ceil((seconds + 2 * kMargin) / kKnot)) + 4;
   std::vector<double> distance(knots, 0);
   double clock = plan.dwell[0];  // when step i is left
@@ -95,14 +105,14 @@ std::vector<double> drive_distances(const Polyline& route, const DriveStyle& sty
   for (std::size_t k = 0; k < knots; ++k) {
     const double t = std::max(0.0, knot_time(k));
     while (i + 1 < v.size()) {
-      const double travel = 2 * plan.step / std::max(1e-9, v[i] + v[i + 1]);
+      const double travel = travel_time(plan, i);
       if (t < clock + travel + plan.dwell[i + 1]) break;
       clock += travel + plan.dwell[i + 1];
       ++i;
     }
     double s = plan.step * static_cast<double>(i);
     if (i + 1 < v.size() && t > clock) {
-      const double travel = 2 * plan.step / std::max(1e-9, v[i] + v[i + 1]);
+      const double travel = travel_time(plan, i);
       const double elapsed = std::min(t - clock, travel);
       s += elapsed * (v[i] + (v[i + 1] - v[i]) * elapsed / (2 * travel));
     }
@@ -281,6 +291,16 @@ double Drive::distance(double t) const {
   const double position = std::clamp((t + kMargin) / kKnot, 0.0, static_cast<double>(distance_.size() - 1));
   const std::size_t k = std::min(static_cast<std::size_t>(position), distance_.size() - 2);
   return distance_[k] + (position - static_cast<double>(k)) * (distance_[k + 1] - distance_[k]);
+}
+
+double driving_time(const Polyline& route, const DriveStyle& style, double distance_m, std::uint64_t seed) {
+  Random random(seed, 1);
+  const SpeedPlan plan = plan_drive(route, style, random);
+  const double ahead_m = distance_m - kMargin * style.start_mps;  // a Drive in motion starts that far on
+  double seconds = plan.dwell[0];
+  for (std::size_t i = 0; i + 1 < plan.limit.size() && plan.step * static_cast<double>(i) < ahead_m; ++i)
+    seconds += travel_time(plan, i) + plan.dwell[i + 1];
+  return seconds;
 }
 
 }  // namespace scanlock

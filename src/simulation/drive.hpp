@@ -51,4 +51,7 @@ class Drive {
   std::vector<Piece> pieces_;
 };
 
+/// Seconds until a Drive of the same route, style and seed has come `distance_m` along the route.
+double driving_time(const Polyline& route, const DriveStyle& style, double distance_m, std::uint64_t seed);
+
 }  // namespace scanlock

@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/rigid.hpp"
 #include "simulation/random.hpp"
+#include "simulation/rooms.hpp"
 #include "simulation/world.hpp"
 
 namespace scanlock {
 namespace {
 
 constexpr int kCorridors = 6;  // in each direction
-constexpr double kWall = 0.15, kDoor = 1.1, kDoorHeight = 2.1;
 
 /// One floor of an office: corridors in two directions, and between four of them a block of two rooms,
 /// each with a door to the corridor below and one to the corridor above.
@@ -45,70 +44,13 @@ Floor plan_floor(Random& random) {
   return floor;
 }
 
-void add_block(Scene& scene, double x0, double x1, double y0, double y1, double z0, double z1,
-               double reflectivity) {
-  scene.add(Box::upright({(x0 + x1) / 2, (y0 + y1) / 2, z0}, 0, {x1 - x0, y1 - y0, z1 - z0}, reflectivity));
-}
-
-/// A wall along x at y..y + kWall, with a doorway around each of `doors`.
-void add_wall_with_doors(Scene& scene, const Floor& floor, double x0, double x1, double y,
-                         const std::vector<double>& doors) {
-  double from = x0;
-  for (const double door : doors) {
-    add_block(scene, from, door - kDoor / 2, y, y + kWall, 0, floor.ceiling, 0.6);
-    add_block(scene, door - kDoor / 2, door + kDoor / 2, y, y + kWall, kDoorHeight, floor.ceiling, 0.6);
-    from = door + kDoor / 2;
-  }
-  add_block(scene, from, x1, y, y + kWall, 0, floor.ceiling, 0.6);
-}
-
-void add_table(Scene& scene, const Eigen::Vector2d& p, double yaw, Random& random) {
-  const double length = random.uniform(0.9, 1.7), width = random.uniform(0.6, 0.9),
-               height = random.uniform(0.68, 0.78);
-  scene.add(Box::upright({p.x(), p.y(), height - 0.03}, yaw, {length, width, 0.03}, 0.5));
-  const Eigen::Matrix2d turn = rotation_about_z(yaw).topLeftCorner<2, 2>();
-  for (const double sx : {-1.0, 1.0})
-    for (const double sy : {-1.0, 1.0}) {
-      const Eigen::Vector2d leg =
-          p + turn * Eigen::Vector2d(sx * (length / 2 - 0.05), sy * (width / 2 - 0.05));
-      scene.add(Cylinder{{leg.x(), leg.y(), 0}, Eigen::Vector3d::UnitZ(), height - 0.03, 0.03, 0.5});
-    }
-  if (random.chance(0.6))  // a screen on it
-    scene.add(Box::upright({p.x(), p.y(), height}, yaw, {0.55, 0.06, 0.4}, 0.1));
-}
-
-/// Furniture between x0..x1, y0..y1, but not within 0.75 m of the way from door to door.
-void furnish_room(Scene& scene, double x0, double x1, double y0, double y1, double door, Random& random) {
-  const int pieces = random.integer(5, 11);
-  for (int attempt = 0, placed = 0; attempt < 40 && placed < pieces; ++attempt) {
-    const bool against_wall = random.chance(0.5), left = random.chance(0.5);
-    Eigen::Vector2d p(random.uniform(x0 + 0.6, x1 - 0.6), random.uniform(y0 + 0.6, y1 - 0.6));
-    if (against_wall) p.x() = left ? x0 + 0.25 : x1 - 0.25;
-    if (std::abs(p.x() - door) < (against_wall ? 1.1 : 1.75)) continue;
-    ++placed;
-    const Eigen::Vector3d place(p.x(), p.y(), 0);
-    if (against_wall) {  // a cupboard or a shelf
-      scene.add(Box::upright(place, 0, {0.45, random.uniform(0.6, 1.6), random.uniform(0.8, 2.1)}, 0.45));
-    } else if (random.chance(0.6)) {
-      add_table(scene, p, random.uniform(0, 3.14), random);
-    } else if (random.chance(0.5)) {  // a chair
-      scene.add(
-          Box::upright(place + Eigen::Vector3d(0, 0, 0.38), random.uniform(0, 3), {0.42, 0.42, 0.08}, 0.3));
-      scene.add(Cylinder{place, Eigen::Vector3d::UnitZ(), 0.4, 0.05, 0.3});
-      scene.add(Box::upright(place + Eigen::Vector3d(0.2, 0, 0.46), 0, {0.05, 0.42, 0.45}, 0.3));
-    } else {  // a column
-      scene.add(Cylinder{place, Eigen::Vector3d::UnitZ(), 4, random.uniform(0.15, 0.25), 0.5});
-    }
-  }
-}
-
 void add_rooms(Scene& scene, const Floor& floor, int column, int row, Random& random) {
   const double half = floor.corridor / 2;
   const double x0 = floor.x[column] + half, x1 = floor.x[column + 1] - half;
   const double y0 = floor.y[row] + half, y1 = floor.y[row + 1] - half;
   const std::vector<double>& doors = floor.doors[column][row];
-  add_wall_with_doors(scene, floor, x0, x1, y0, doors);
-  add_wall_with_doors(scene, floor, x0, x1, y1 - kWall, doors);
+  add_wall_with_doors(scene, floor.ceiling, x0, x1, y0, doors);
+  add_wall_with_doors(scene, floor.ceiling, x0, x1, y1 - kWall, doors);
   const double split = (doors[0] + doors[1]) / 2;
   for (const double x : {x0, split - kWall / 2, x1 - kWall})
     add_block(scene, x, x + kWall, y0 + kWall, y1 - kWall, 0, floor.ceiling, 0.6);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/elementary.hpp"
+#include "simulation/laps.hpp"
 #include "simulation/random.hpp"
 #include "simulation/world.hpp"
 
@@ -14,19 +15,48 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// A wavy closed round about the origin, driven as often as needed.
+/// A wavy round about the origin.
+class Round {
+ public:
+  /// `third` of its waves go round it in a turn; a fraction makes the next turn another one.
+  Round(double radius, double third, Random& random)
+      : radius_(radius),
+        third_(third),
+        a_(random.uniform(0, 2 * kPi)),
+        b_(random.uniform(0, 2 * kPi)),
+        c_(random.uniform(0, 2 * kPi)),
+        direction_(random.chance(0.5) ? 1 : -1) {}
+
+  Eigen::Vector2d at(double angle) const {
+    const double r = radius_ * (1 + 0.22 * sin(3 * angle + a_) + 0.1 * sin(5 * angle + b_) +
+                                0.03 * sin(third_ * angle + c_));
+    return r * Eigen::Vector2d(cos(angle), direction_ * sin(angle));
+  }
+  double step() const { return 0.2 / radius_; }  ///< of the angle: about 0.2 m
+
+ private:
+  double radius_, third_, a_, b_, c_, direction_;
+};
+
+/// Driven as often as needed, never twice on the same line.
 Polyline plan_round(double radius, double length, Random& random) {
-  const double a = random.uniform(0, 2 * kPi), b = random.uniform(0, 2 * kPi), c = random.uniform(0, 2 * kPi);
-  const double direction = random.chance(0.5) ? 1 : -1;
+  const Round round(radius, 9.3, random);
   std::vector<Eigen::Vector2d> points;
   double driven = 0;
-  for (double angle = 0; driven < length; angle += 0.2 / radius) {
-    const double r =
-        radius * (1 + 0.22 * sin(3 * angle + a) + 0.1 * sin(5 * angle + b) + 0.03 * sin(9.3 * angle + c));
-    points.push_back(r * Eigen::Vector2d(cos(angle), direction * sin(angle)));
+  for (double angle = 0; driven < length; angle += round.step()) {
+    points.push_back(round.at(angle));
     if (points.size() > 1) driven += (points.back() - points[points.size() - 2]).norm();
   }
   return Polyline(points).smoothed(0.2, 2);
+}
+
+/// One turn; its last point is its first.
+Polyline plan_lap(double radius, Random& random) {
+  const Round round(radius, 9, random);
+  std::vector<Eigen::Vector2d> points;
+  for (double angle = 0; angle < 2 * kPi - round.step() / 2; angle += round.step())
+    points.push_back(round.at(angle));
+  return closed_lap(points, 0.2, 2);
 }
 
 double distance_to(const Polyline& route, const Eigen::Vector2d& p) {
@@ -80,12 +110,17 @@ void add_forest_tree(Scene& scene, const Eigen::Vector3d& place, Random& random)
 
 }  // namespace
 
-World make_forest(std::uint64_t seed, double seconds, const DriveStyle& style) {
+World make_forest(std::uint64_t seed, const RouteExtent& extent, const DriveStyle& style) {
   Random random(seed, 30);
   constexpr double kRadius = 45, kReach = 130, kTreesPerSquareMetre = 0.045;
+  constexpr Wander kWander{0.35, 8};
+  const double aside = extent.laps > 0 ? 2 * kWander.aside_m : 0;  // from one lap to another
   World world;
   world.style = style;
-  world.route = plan_round(kRadius, needed_length(style, seconds), random);
+  if (extent.laps > 0)
+    set_laps(world, plan_lap(kRadius, random), extent.laps, kWander, random);
+  else
+    world.route = plan_round(kRadius, needed_length(style, extent.seconds), random);
   const Hills hills(60, 1.6, 2.5, random);
   world.scene = Scene(Terrain({-kReach, -kReach}, {kReach, kReach}, 1, hills));
   const Polyline round(std::vector<Eigen::Vector2d>(  // one round is enough to keep clear of
@@ -96,7 +131,7 @@ World make_forest(std::uint64_t seed, double seconds, const DriveStyle& style) {
   for (int i = 0; i < trees; ++i) {
     const Eigen::Vector2d p(random.uniform(-kReach, kReach), random.uniform(-kReach, kReach));
     const bool bush = random.chance(0.2);
-    if (distance_to(round, p) < (bush ? 1.8 : 1.0)) continue;
+    if (distance_to(round, p) < (bush ? 1.8 : 1.0) + aside) continue;
     const Eigen::Vector3d place = on_ground(world.scene, p);
     if (!bush) {
       add_forest_tree(world.scene, place, random);
@@ -109,12 +144,16 @@ World make_forest(std::uint64_t seed, double seconds, const DriveStyle& style) {
   return world;
 }
 
-World make_field(std::uint64_t seed, double seconds, const DriveStyle& style) {
+World make_field(std::uint64_t seed, const RouteExtent& extent, const DriveStyle& style) {
   Random random(seed, 40);
   constexpr double kRadius = 60, kReach = 190;
+  constexpr Wander kWander{0.8, 25};
   World world;
   world.style = style;
-  world.route = plan_round(kRadius, needed_length(style, seconds), random);
+  if (extent.laps > 0)
+    set_laps(world, plan_lap(kRadius, random), extent.laps, kWander, random);
+  else
+    world.route = plan_round(kRadius, needed_length(style, extent.seconds), random);
   const Hills hills(150, 2.0, 6, random);
   world.scene = Scene(Terrain({-kReach, -kReach}, {kReach, kReach}, 2, hills));
   for (int i = 0; i < 14; ++i) {  // far bushes, hay bales and poles, and one barn

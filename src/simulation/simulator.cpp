@@ -15,12 +15,10 @@
 namespace scanlock {
 namespace {
 
+constexpr double kDefaultSeconds = 60, kLongest = 36000;  // seconds
+constexpr int kMostLaps = 100;
 constexpr std::size_t kBlock = 2048;    // beams that share a random stream
 constexpr std::uint64_t kNoise = 1000;  // first stream of the noise, one a sweep
-
-std::int64_t sweeps_of(const SimulationConfig& config) {
-  return static_cast<std::int64_t>(std::floor(config.seconds / LidarModel::of(config.lidar).period_s + 1e-6));
-}
 
 std::string text_of(double number) {
   char text[32];
@@ -29,8 +27,10 @@ std::string text_of(double number) {
 }
 
 SimulationConfig checked(const SimulationConfig& config) {
-  if (!(config.seconds > 0) || config.seconds > 36000)
+  if (config.seconds && (!(*config.seconds > 0) || *config.seconds > kLongest))
     throw std::invalid_argument("seconds must be more than 0 and at most 36000");
+  if (config.laps && (*config.laps < 1 || *config.laps > kMostLaps))
+    throw std::invalid_argument("laps must lie between 1 and 100");
   if (!(config.speed_mps >= 0) || config.speed_mps > 60)
     throw std::invalid_argument("the speed must lie between 0 and 60 m/s");
   if (!(config.start_speed_mps >= 0) || config.start_speed_mps > 60)
@@ -39,19 +39,38 @@ SimulationConfig checked(const SimulationConfig& config) {
     throw std::invalid_argument("the noise must lie between 0 and 10 m");
   if (config.threads < 1 || config.threads > 256)
     throw std::invalid_argument("threads must lie between 1 and 256");
-  if (sweeps_of(config) < 1)
-    throw std::invalid_argument("no whole scan fits into " + text_of(config.seconds) + " seconds");
-  for (const SimulationEvent& event : config.events) {
-    if (event.time_s >= config.seconds)
-      throw std::invalid_argument("an event at " + text_of(event.time_s) +
-                                  " s never comes: the drive ends after " + text_of(config.seconds) + " s");
-  }
   return config;
 }
 
 DriveStyle started(DriveStyle style, double start_mps) {
   style.start_mps = start_mps;
   return style;
+}
+
+World world_of(const SimulationConfig& config) {
+  if (config.laps) return make_looped_world(config.world, config.seed, *config.laps, config.speed_mps);
+  return make_world(config.world, config.seed, config.seconds.value_or(kDefaultSeconds), config.speed_mps);
+}
+
+/// The length of the drive, for which all events have to come in time.
+double drive_seconds(const SimulationConfig& config, const World& world, const LidarModel& lidar) {
+  double seconds = config.seconds.value_or(config.laps ? kLongest : kDefaultSeconds);
+  if (config.laps) {
+    const DriveStyle style = started(world.style, config.start_speed_mps);
+    const double laps_s = driving_time(world.route, style, world.laps_end_m, config.seed);
+    if (laps_s > kLongest && !config.seconds)
+      throw std::invalid_argument("the laps take " + text_of(laps_s) +
+                                  " s, more than 36000: let it drive fewer or faster");
+    seconds = std::min(seconds, laps_s);
+  }
+  if (std::floor(seconds / lidar.period_s + 1e-6) < 1)
+    throw std::invalid_argument("no whole scan fits into " + text_of(seconds) + " seconds");
+  for (const SimulationEvent& event : config.events) {
+    if (event.time_s >= seconds)
+      throw std::invalid_argument("an event at " + text_of(event.time_s) +
+                                  " s never comes: the drive ends after " + text_of(seconds) + " s");
+  }
+  return seconds;
 }
 
 }  // namespace
@@ -67,15 +86,16 @@ struct Simulator::Moving {
 Simulator::Simulator(const SimulationConfig& config)
     : config_(checked(config)),
       lidar_(LidarModel::of(config.lidar)),
-      world_(make_world(config.world, config.seed, config.seconds, config.speed_mps)),
+      world_(world_of(config)),
+      seconds_(drive_seconds(config, world_, lidar_)),
       drive_(world_.route, world_.scene.terrain(), started(world_.style, config.start_speed_mps),
-             config.events, config.seconds, config.seed),
+             config.events, seconds_, config.seed),
       beams_(lidar_.sweep(0)) {
   if (config_.noise_m) lidar_.noise = *config_.noise_m;
 }
 
 std::int64_t Simulator::sweeps() const {
-  return sweeps_of(config_);
+  return static_cast<std::int64_t>(std::floor(seconds_ / lidar_.period_s + 1e-6));
 }
 
 Pose Simulator::pose_at(double t, double sweep_begin) const {

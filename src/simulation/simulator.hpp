@@ -18,7 +18,9 @@ namespace scanlock {
 struct SimulationConfig {
   WorldKind world = WorldKind::kUrban;
   LidarKind lidar = LidarKind::kVlp16;
-  double seconds = 60;
+  /// Of the drive; nothing: a minute, or as long as the laps take. With both, what comes first ends it.
+  std::optional<double> seconds;
+  std::optional<int> laps;  ///< of a closed loop; nothing: the world's own way
   std::uint64_t seed = 1;
   std::vector<SimulationEvent> events;
   double speed_mps = 0;           ///< cruising speed; 0: the world's own
@@ -50,6 +52,8 @@ class Simulator {
   /// The next scan, or nothing when the drive is over.
   std::optional<SimulatedScan> next();
 
+  /// Length of the drive in seconds.
+  double seconds() const { return seconds_; }
   /// Sweeps of the whole drive, those that a dropout swallows included.
   std::int64_t sweeps() const;
   /// The sweep that next() looks at first.
@@ -80,6 +84,7 @@ class Simulator {
   SimulationConfig config_;
   LidarModel lidar_;
   World world_;
+  double seconds_;
   Drive drive_;
   std::vector<Beam> beams_;  // of the current sweep
   std::int64_t sweep_ = 0;

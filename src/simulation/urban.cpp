@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/elementary.hpp"
+#include "simulation/laps.hpp"
 #include "simulation/random.hpp"
 #include "simulation/urban_buildings.hpp"
 #include "simulation/urban_streets.hpp"
@@ -13,7 +14,9 @@
 namespace scanlock {
 namespace {
 
-constexpr double kPavement = 3.4;  // metres: up to the fronts of houses without a garden
+constexpr double kPavement = 3.4;   // metres: up to the fronts of houses without a garden
+constexpr double kLapLength = 600;  // metres
+constexpr Wander kWander{0.3, 40};
 
 /// Rolling ground, slopes of up to about 3 %.
 double ground_height(double x, double y, const std::array<double, 4>& phase) {
@@ -125,7 +128,7 @@ std::vector<Mover> make_traffic(const StreetPlan& plan, const Polyline& route, R
 
 }  // namespace
 
-World make_urban(std::uint64_t seed, double seconds, const DriveStyle& style) {
+World make_urban(std::uint64_t seed, const RouteExtent& extent, const DriveStyle& style) {
   Random random(seed, 10);
   const StreetPlan plan = plan_streets(random);
   const std::array<double, 4> phase = {random.uniform(0, 6), random.uniform(0, 6), random.uniform(0, 6),
@@ -137,7 +140,10 @@ World make_urban(std::uint64_t seed, double seconds, const DriveStyle& style) {
   for (std::size_t street = 0; street < plan.streets.size(); ++street)
     for (const bool left : {false, true}) furnish_side(world.scene, plan, street, left, random);
   world.scene.build();
-  world.route = plan_route(plan, needed_length(style, seconds), random);
+  if (extent.laps > 0)
+    set_laps(world, plan_loop(plan, kLapLength, random), extent.laps, kWander, random);
+  else
+    world.route = plan_route(plan, needed_length(style, extent.seconds), random);
   world.movers = make_traffic(plan, world.route, random);
   return world;
 }

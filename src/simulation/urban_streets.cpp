@@ -6,12 +6,15 @@
 #include <cmath>
 
 #include "geometry/elementary.hpp"
+#include "simulation/laps.hpp"
 
 namespace scanlock {
 namespace {
 
 constexpr int kStreets = 7;     // in each direction
 constexpr double kMargin = 25;  // of streets beyond their last crossing, metres
+constexpr double kSpacing = 0.5,
+                 kBend = 9;  // of a route's points, and over which its corners are rounded, metres
 
 /// A street's middle as a function of the coordinate it runs along.
 struct Wave {
@@ -34,6 +37,52 @@ Polyline sample_street(const Wave& wave, double from, double to, bool along_x) {
   for (double u = from; u <= to; u += 1)
     points.push_back(along_x ? Eigen::Vector2d(u, wave.at(u)) : Eigen::Vector2d(wave.at(u), u));
   return Polyline(points);
+}
+
+const Eigen::Vector2i kSteps[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};  // by heading
+
+/// The right lane from one crossing to the next, without the last metres where the bend takes over.
+Polyline lane_between(const StreetPlan& plan, const Eigen::Vector2i& at, int heading) {
+  const Eigen::Vector2i to = at + kSteps[heading];
+  const bool along_x = heading % 2 == 0;
+  const Polyline& street = plan.streets[along_x ? at.y() : plan.across + at.x()];
+  const Eigen::Vector2d from_point = plan.crossings[at.x()][at.y()],
+                        to_point = plan.crossings[to.x()][to.y()];
+  std::vector<Eigen::Vector2d> leg;
+  for (const Eigen::Vector2d& p : street.points()) {
+    const double u = along_x ? p.x() : p.y();
+    const double a = along_x ? from_point.x() : from_point.y(), b = along_x ? to_point.x() : to_point.y();
+    if (u > std::min(a, b) + 6 && u < std::max(a, b) - 6) leg.push_back(p);
+  }
+  if (heading >= 2) std::reverse(leg.begin(), leg.end());
+  return Polyline(leg).offset(-kLane);
+}
+
+/// Blocks from one crossing to another, as [street along y, street along x].
+struct Blocks {
+  Eigen::Vector2i low, high;
+};
+
+double circumference(const StreetPlan& plan, const Blocks& blocks) {
+  const auto crossing = [&](int i, int j) -> const Eigen::Vector2d& { return plan.crossings[i][j]; };
+  const Eigen::Vector2d a = crossing(blocks.low.x(), blocks.low.y()),
+                        b = crossing(blocks.high.x(), blocks.low.y()),
+                        c = crossing(blocks.high.x(), blocks.high.y()),
+                        d = crossing(blocks.low.x(), blocks.high.y());
+  return (b - a).norm() + (c - b).norm() + (d - c).norm() + (a - d).norm();
+}
+
+Blocks blocks_around(const StreetPlan& plan, double length) {
+  Blocks best{{0, 0}, {1, 1}};
+  for (int i = 0; i < kStreets; ++i)
+    for (int j = 0; j < kStreets; ++j)
+      for (int k = i + 1; k < kStreets; ++k)
+        for (int m = j + 1; m < kStreets; ++m) {
+          const Blocks blocks{{i, j}, {k, m}};
+          if (std::abs(circumference(plan, blocks) - length) < std::abs(circumference(plan, best) - length))
+            best = blocks;
+        }
+  return best;
 }
 
 }  // namespace
@@ -73,37 +122,41 @@ StreetPlan plan_streets(Random& random) {
 }
 
 Polyline plan_route(const StreetPlan& plan, double length, Random& random) {
-  const Eigen::Vector2i steps[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
   Eigen::Vector2i at(kStreets / 2, kStreets / 2);
   int heading = random.integer(0, 3);
   std::vector<Eigen::Vector2d> points;
   double driven = 0;
   const auto inside = [](const Eigen::Vector2i& p) { return p.minCoeff() >= 0 && p.maxCoeff() < kStreets; };
   while (driven < length + 50) {
-    const Eigen::Vector2i to = at + steps[heading];
-    // From crossing to crossing along the street, without the last metres where the bend takes over.
-    const bool along_x = heading % 2 == 0;
-    const Polyline& street = plan.streets[along_x ? at.y() : plan.across + at.x()];
-    const Eigen::Vector2d from_point = plan.crossings[at.x()][at.y()],
-                          to_point = plan.crossings[to.x()][to.y()];
-    std::vector<Eigen::Vector2d> leg;
-    for (const Eigen::Vector2d& p : street.points()) {
-      const double u = along_x ? p.x() : p.y();
-      const double a = along_x ? from_point.x() : from_point.y(), b = along_x ? to_point.x() : to_point.y();
-      if (u > std::min(a, b) + 6 && u < std::max(a, b) - 6) leg.push_back(p);
-    }
-    if (heading >= 2) std::reverse(leg.begin(), leg.end());
-    const Polyline lane = Polyline(leg).offset(-kLane);
+    const Polyline lane = lane_between(plan, at, heading);
     points.insert(points.end(), lane.points().begin(), lane.points().end());
     driven += lane.length() + 12;
 
-    at = to;
+    at += kSteps[heading];
     const int straight = heading;
     do {  // one third straight on, one third to either side, as far as the town reaches
       heading = (straight + random.integer(-1, 1) + 4) % 4;
-    } while (!inside(at + steps[heading]));
+    } while (!inside(at + kSteps[heading]));
   }
-  return Polyline(points).smoothed(0.5, 9);
+  return Polyline(points).smoothed(kSpacing, kBend);
+}
+
+Polyline plan_loop(const StreetPlan& plan, double length, Random& random) {
+  const Blocks blocks = blocks_around(plan, length);
+  const int first = random.integer(0, 1), turn = first == 0 ? 1 : -1;  // to the left all round, or the right
+  Eigen::Vector2i at = blocks.low;
+  std::vector<Eigen::Vector2d> points;
+  std::size_t half_a_leg = 0;
+  for (int side = 0, heading = first; side < 4; ++side, heading = (heading + turn + 4) % 4) {
+    const Eigen::Vector2i reach = blocks.high - blocks.low;
+    for (int block = 0; block < reach[heading % 2]; ++block, at += kSteps[heading]) {
+      const Polyline lane = lane_between(plan, at, heading);
+      if (points.empty()) half_a_leg = lane.points().size() / 2;
+      points.insert(points.end(), lane.points().begin(), lane.points().end());
+    }
+  }
+  std::rotate(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(half_a_leg), points.end());
+  return closed_lap(points, kSpacing, kBend);
 }
 
 }  // namespace scanlock

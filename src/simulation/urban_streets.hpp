@@ -30,4 +30,8 @@ StreetPlan plan_streets(Random& random);
 /// once.
 Polyline plan_route(const StreetPlan& plan, double length, Random& random);
 
+/// The way around the blocks whose circumference is nearest to `length`, in the right lane and in either
+/// direction, from the middle of a street; its last point is its first.
+Polyline plan_loop(const StreetPlan& plan, double length, Random& random);
+
 }  // namespace scanlock

@@ -96,22 +96,38 @@ DriveStyle style_of(WorldKind kind) {
   return style;
 }
 
-World make_world(WorldKind kind, std::uint64_t seed, double seconds, double speed_mps) {
+namespace {
+
+World make(WorldKind kind, std::uint64_t seed, const RouteExtent& extent, double speed_mps) {
   DriveStyle style = style_of(kind);
   if (speed_mps > 0) style.slow_mps = style.fast_mps = speed_mps;
   switch (kind) {
     case WorldKind::kUrban:
-      return make_urban(seed, seconds, style);
+      return make_urban(seed, extent, style);
     case WorldKind::kIndoor:
-      return make_indoor(seed, seconds, style);
+      return extent.laps > 0 ? make_office_ring(seed, extent.laps, style)
+                             : make_indoor(seed, extent.seconds, style);
     case WorldKind::kForest:
-      return make_forest(seed, seconds, style);
+      return make_forest(seed, extent, style);
     case WorldKind::kTunnel:
-      return make_tunnel(seed, seconds, style);
+      if (extent.laps > 0)
+        throw std::invalid_argument(
+            "the tunnel has no laps, for it never meets itself: choose urban, indoor, forest or field");
+      return make_tunnel(seed, extent.seconds, style);
     case WorldKind::kField:
-      return make_field(seed, seconds, style);
+      return make_field(seed, extent, style);
   }
   throw std::invalid_argument("unknown kind of world");
+}
+
+}  // namespace
+
+World make_world(WorldKind kind, std::uint64_t seed, double seconds, double speed_mps) {
+  return make(kind, seed, {seconds, 0}, speed_mps);
+}
+
+World make_looped_world(WorldKind kind, std::uint64_t seed, int laps, double speed_mps) {
+  return make(kind, seed, {0, laps}, speed_mps);
 }
 
 }  // namespace scanlock

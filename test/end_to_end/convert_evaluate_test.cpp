@@ -90,8 +90,8 @@ TEST_CASE("evaluate prints one JSON object with the members of the contract") {
   CHECK(lines(result.out) == 1);
   for (const char* part : {"{\"poses\":201,\"matched\":201,\"length_m\":200.0,\"ate_m\":{\"rmse\":1.1",
                            "\"median\":", "\"max\":2.0", "\"rpe\":{\"1m\":{\"percent\":1.0",
-                           "\"10m\":{\"percent\":", "\"100m\":{",
-                           "\"kitti\":{\"percent\":", "\"deg_per_m\":0.0", "\"recovery_s\":[]}"})
+                           "\"10m\":{\"percent\":", "\"100m\":{", "\"kitti\":{\"percent\":", "\"nees\":null,",
+                           "\"deg_per_m\":0.0", "\"recovery_s\":[]}"})
     CHECK_MESSAGE(contains(result.out, part), part, " in ", result.out);
   CHECK(std::filesystem::file_size(directory / "p.svg") > 1000);
   CHECK(std::filesystem::file_size(directory / "p.html") > std::filesystem::file_size(directory / "p.svg"));

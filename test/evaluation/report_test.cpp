@@ -123,6 +123,16 @@ TEST_CASE("page is self-contained and holds the numbers") {
   CHECK(count(html, "0.5000 m") >= 1);  // the shift by half a metre
 }
 
+TEST_CASE("what the covariances are worth is one row, where it is known") {
+  Comparison comparison = loop_of(100);
+  const auto without = result_rows(comparison);
+  comparison.nees = Nees{2.345, 0.25, 12, 3};
+  const auto rows = result_rows(comparison);
+  REQUIRE(rows.size() == without.size() + 1);
+  CHECK(rows.back().first == "NEES");
+  CHECK(rows.back().second == "2.35 on average of 12 poses, 3 expected; 25.0 % beyond 11.34, 1 % expected");
+}
+
 TEST_CASE("a kidnap is marked and what does not track is drawn apart") {
   Comparison comparison = loop_of(600);
   CHECK(count(trajectory_svg(comparison), "class=\"kidnap\"") == 0);

@@ -1,0 +1,150 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+// The indoor world of laps: one corridor around a closed core, with offices on both of its sides.
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/rigid.hpp"
+#include "simulation/laps.hpp"
+#include "simulation/random.hpp"
+#include "simulation/rooms.hpp"
+#include "simulation/world.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr Wander kWander{0.2, 7};
+constexpr double kBend = 1.4;  // metres of way over which the route's corners are rounded
+
+struct Ring {
+  double ceiling, corridor;  // height and width
+  double length, width;      // of the rectangle of the corridor's middle
+  double inner, outer;       // depths of the offices on both sides
+};
+
+Ring plan_ring(Random& random) {
+  Ring ring;
+  ring.ceiling = random.uniform(2.5, 3.2);
+  ring.corridor = random.uniform(2.2, 2.9);
+  ring.length = random.uniform(66, 78);
+  ring.width = random.uniform(124, 128) - ring.length;
+  ring.inner = random.uniform(4.5, 6);
+  ring.outer = random.uniform(4.5, 6);
+  return ring;
+}
+
+/// Towards the corridor an office has a wall with an open door, a wall with a shut one, or no wall at all.
+enum class Front { kOpen, kShut, kNone };
+
+Front draw_front(Random& random) {
+  const double draw = random.uniform();
+  return draw < 0.6 ? Front::kOpen : draw < 0.85 ? Front::kShut : Front::kNone;
+}
+
+/// A room at x0..x1 behind the corridor's side at y = front, `depth` deep; `out` is +1 where it lies towards
+/// greater y, else -1. It brings its front, its left wall and its furniture.
+void add_room(Scene& scene, const Ring& ring, double x0, double x1, double front, double depth, double out,
+              Random& random) {
+  // From the corridor: y is front + out * distance.
+  const auto low = [&](double near, double far) { return std::min(front + out * near, front + out * far); };
+  const auto block = [&](double from, double to, double near, double far, double bottom, double top) {
+    add_block(scene, from, to, low(near, far), low(near, far) + far - near, bottom, top, 0.6);
+  };
+  const double quarter = (x1 - x0) / 4;
+  const double door = x0 + 2 * quarter + random.uniform(-0.8, 0.8) * quarter;
+  const Front kind = draw_front(random);
+  block(x0, x0 + kWall, kWall, depth, 0, ring.ceiling);
+  if (kind != Front::kNone) add_wall_with_doors(scene, ring.ceiling, x0, x1, low(0, kWall), {door});
+  if (kind == Front::kShut) block(door - kDoor / 2, door + kDoor / 2, 0.05, 0.1, 0, kDoorHeight);
+  if (kind == Front::kOpen) {  // the leaf stands into the room
+    const double y = front + out * (kWall + 0.5);
+    scene.add(
+        Box::upright({door - kDoor / 2 - 0.03, y, 0}, random.uniform(-0.05, 0.05), {0.04, 0.95, 2.05}, 0.4));
+  }
+  furnish_room(scene, x0 + kWall, x1, low(kWall, depth), low(kWall, depth) + depth - kWall, door, random);
+  if (kind != Front::kNone && random.chance(0.5)) {  // a cupboard in the corridor, beside the door
+    const double from = door < (x0 + x1) / 2 ? x1 - random.uniform(0.7, 1.2) : x0 + 0.1;
+    block(from, from + 0.6, -random.uniform(0.15, 0.35), 0, 0, random.uniform(0.9, 2));
+  }
+}
+
+/// Rooms of many widths in a row, with the walls at the ends and at the back of the row.
+void add_row(Scene& scene, const Ring& ring, double x0, double x1, double front, double depth, double out,
+             Random& random) {
+  const double back = front + out * (depth + kWall / 2);
+  add_block(scene, x0, x1, back - kWall / 2, back + kWall / 2, 0, ring.ceiling, 0.6);
+  const double end = front + out * depth / 2;
+  add_block(scene, x1 - kWall, x1, end - depth / 2, end + depth / 2, 0, ring.ceiling, 0.6);
+  double x = x0;
+  while (x1 - x > 11) {
+    const double width = random.uniform(4, 6.5);
+    add_room(scene, ring, x, x + width, front, depth, out, random);
+    x += width;
+  }
+  if (x1 - x > 6.5) {  // 6.5 to 11 m are left: two of the same width
+    const double width = (x1 - x) / 2;
+    add_room(scene, ring, x, x + width, front, depth, out, random);
+    x += width;
+  }
+  add_room(scene, ring, x, x1, front, depth, out, random);
+}
+
+/// One of the ring's four sides in a frame of its own: the corridor's middle runs along x from corner to
+/// corner, 0 to `length`, and the ring's inside is at greater y. The room in the inner corner belongs to the
+/// side that comes to it.
+void add_side(Scene& scene, const Ring& ring, double length, const Eigen::Vector2d& corner, double yaw,
+              Random& random) {
+  const double half = ring.corridor / 2;
+  Scene side;
+  add_row(side, ring, -half, length + half, -half, ring.outer, -1, random);
+  add_row(side, ring, half + ring.inner, length - half, half, ring.inner, 1, random);
+
+  const Eigen::Matrix3d turn = rotation_about_z(yaw);
+  const Eigen::Vector3d origin(corner.x(), corner.y(), 0);
+  for (Box box : side.boxes()) {
+    box.centre = origin + turn * box.centre;
+    box.world_from_box = turn * box.world_from_box;
+    scene.add(box);
+  }
+  for (Cylinder cylinder : side.cylinders()) {
+    cylinder.base = origin + turn * cylinder.base;
+    scene.add(cylinder);
+  }
+}
+
+/// People who go round in both directions, each at a pace of their own: each lap meets them elsewhere.
+void add_people(World& world, const Polyline& lap, Random& random) {
+  for (int i = 0; i < 6; ++i) {
+    const Polyline path = (i % 2 == 0 ? lap : lap.reversed()).offset(random.uniform(-0.6, -0.4));
+    world.movers.push_back(make_person(path, random.uniform(0, path.length()), random.uniform(0.7, 1.4)));
+  }
+}
+
+}  // namespace
+
+World make_office_ring(std::uint64_t seed, int laps, const DriveStyle& style) {
+  Random random(seed, 21);
+  const Ring ring = plan_ring(random);
+  const double margin = ring.corridor / 2 + ring.outer + 2;
+  const std::vector<Eigen::Vector2d> corners = {
+      {0, 0}, {ring.length, 0}, {ring.length, ring.width}, {0, ring.width}};
+  World world;
+  world.style = style;
+  world.scene = Scene(Terrain({-margin, -margin}, {ring.length + margin, ring.width + margin}, 1,
+                              [](double, double) { return 0.0; }));
+  world.scene.set_ceiling(ring.ceiling);
+  for (int side = 0; side < 4; ++side)
+    add_side(world.scene, ring, side % 2 == 0 ? ring.length : ring.width, corners[side], side * kPi / 2,
+             random);
+  world.scene.build();
+
+  std::vector<Eigen::Vector2d> way = {{ring.length / 2, 0}, corners[1], corners[2], corners[3], corners[0]};
+  if (random.chance(0.5)) std::reverse(way.begin() + 1, way.end());
+  const Polyline lap = closed_lap(way, 0.05, kBend);
+  set_laps(world, lap, laps, kWander, random);
+  add_people(world, lap, random);
+  return world;
+}
+
+}  // namespace scanlock
