@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 namespace scanlock {
 namespace {
@@ -11,6 +12,7 @@ namespace {
 constexpr double kLeastShare = 0.8;  // of the inlier ratio in the recent map
 constexpr double kStill = 1e8;   // information of a velocity of 0: archived points were seen at one instant
 constexpr double kFloor = 1e-3;  // metres and radians: no pose is predicted better
+constexpr double kWorthwhile = 2.0;  // times the variance that a closure leaves
 
 PreparedScan prepared(const ClosureRequest& request) {
   PreparedScan scan;
@@ -22,6 +24,10 @@ PreparedScan prepared(const ClosureRequest& request) {
   return scan;
 }
 
+Matrix6 with_floor(const Matrix6& covariance) {
+  return covariance + kFloor * kFloor * Matrix6::Identity();
+}
+
 Attempt align(const ClosureRequest& request, const std::vector<ArchivedKeyframe>& map,
               const Matrix6& covariance, const TrackerConfig& config) {
   const Pose& expected = request.keyframe.map_from_body;
@@ -31,10 +37,57 @@ Attempt align(const ClosureRequest& request, const std::vector<ArchivedKeyframe>
   odometer.set_usual(request.usual);
   MotionPrior prior;
   prior.mean.pose = expected;
-  prior.information.topLeftCorner<6, 6>() =
-      inverse(Matrix6(covariance + kFloor * kFloor * Matrix6::Identity()));
+  prior.information.topLeftCorner<6, 6>() = inverse(with_floor(covariance));
   prior.information.bottomRightCorner<6, 6>() = kStill * Matrix6::Identity();
   return odometer.look_far(prepared(request), prior);
+}
+
+/// The variance of a point of the scan, m^2.
+double spread(const Matrix6& covariance, double reach) {
+  return covariance.topLeftCorner<3, 3>().trace() +
+         reach * reach * covariance.bottomRightCorner<3, 3>().trace();
+}
+
+/// The closure of the keyframe with `nearest`; none where it is not found.
+std::optional<Constraint> find_closure(const ClosureRequest& request, const Matrix6& covariance,
+                                       const TrackerConfig& config, std::string* reason) {
+  const Attempt here = align(request, request.recent, Matrix6::Zero(), config);
+  const Attempt there = align(request, request.earlier, covariance, config);
+  const Pose& found = there.alignment.moving.pose;
+  const Vector6 moved = se3_log(request.keyframe.map_from_body.inverse() * found);
+  const double gap = moved.dot(inverse(with_floor(covariance)) * moved);
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "inlier ratio %.2f of %.2f, moved by %.3f m and %.2f deg, squared gap %.1f",
+                there.health.share, here.health.share, moved.head<3>().norm(),
+                57.29577951308232 * moved.tail<3>().norm(), gap);
+  *reason = text;
+  const double any_score = std::numeric_limits<double>::infinity();  // the recent map says what is usual
+  const bool explained = explains(there, any_score) && there.health.share >= kLeastShare * here.health.share;
+  if (!explained || !(gap < kOnceInThousand)) return std::nullopt;
+  Constraint closure;
+  closure.from = request.nearest;
+  closure.to = request.keyframe.id;
+  for (const ArchivedKeyframe& k : request.earlier) {
+    if (k.id == request.nearest) closure.from_to = k.map_from_body.inverse() * found;
+  }
+  closure.information = there.information();
+  closure.loop_closure = true;
+  return closure;
+}
+
+/// Whether two closures say the same of how the two visits lie to each other, as far as they and the ways
+/// between them are known.
+bool agree(const PoseGraph& graph, const Constraint& a, const Constraint& b) {
+  const std::map<std::uint32_t, Pose>& at = graph.nodes();
+  const Pose a_from_b = at.at(a.to).inverse() * at.at(b.to);           // this visit
+  const Pose from_a_from_b = at.at(a.from).inverse() * at.at(b.from);  // the earlier one
+  const Vector6 apart = se3_log(b.from_to.inverse() * from_a_from_b.inverse() * a.from_to * a_from_b);
+  const Matrix6 recent = adjoint(a_from_b.inverse()), earlier = adjoint(b.from_to.inverse());
+  const Matrix6 covariance = recent * inverse(a.information) * recent.transpose() + inverse(b.information) +
+                             graph.covariance(a.to, b.to) +
+                             earlier * graph.covariance(a.from, b.from) * earlier.transpose();
+  return apart.dot(inverse(covariance) * apart) < kOnceInThousand;
 }
 
 }  // namespace
@@ -42,30 +95,30 @@ Attempt align(const ClosureRequest& request, const std::vector<ArchivedKeyframe>
 ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& config) {
   ClosureAnswer answer;
   answer.serial = request.serial;
-  const Attempt here = align(request, request.recent, Matrix6::Zero(), config);
-  const Attempt there = align(request, request.earlier, request.covariance, config);
-  const Pose& found = there.alignment.moving.pose;
-  const Matrix6 information = there.information();
-  const Vector6 moved = se3_log(request.keyframe.map_from_body.inverse() * found);
-  const double gap =
-      moved.dot(inverse(Matrix6(request.covariance + kFloor * kFloor * Matrix6::Identity())) * moved);
-  const bool explained = there.health.share >= kLeastShare * here.health.share;
-  const double any_score = std::numeric_limits<double>::infinity();  // the recent map says what is usual
-  answer.found = explains(there, any_score) && explained && gap < kOnceInThousand;
-
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "inlier ratio %.2f of %.2f, moved by %.3f m and %.2f deg, squared gap %.1f",
-                there.health.share, here.health.share, moved.head<3>().norm(),
-                57.29577951308232 * moved.tail<3>().norm(), gap);
-  answer.reason = text;
-  for (const ArchivedKeyframe& k : request.earlier) {
-    if (k.id == request.nearest) answer.constraint.from_to = k.map_from_body.inverse() * found;
+  answer.keyframe = request.keyframe.id;
+  answer.nearest = request.nearest;
+  answer.covariance = request.graph.covariance(request.nearest, request.keyframe.id);
+  const auto reach = static_cast<double>(request.keyframe.reach);
+  if (!request.pending &&
+      spread(answer.covariance, reach) < kWorthwhile * spread(request.usual_covariance, reach)) {
+    answer.outcome = ClosureOutcome::kKnown;
+    return answer;
   }
-  answer.constraint.from = request.nearest;
-  answer.constraint.to = request.keyframe.id;
-  answer.constraint.information = information;
-  answer.constraint.loop_closure = true;
+  const std::optional<Constraint> closure = find_closure(request, answer.covariance, config, &answer.reason);
+  if (!closure) return answer;
+  answer.closure = *closure;
+  answer.outcome = ClosureOutcome::kPending;
+  const std::optional<Constraint>& before = request.pending;
+  const bool there = before && request.graph.contains(before->from) && request.graph.contains(before->to);
+  if (!there || !agree(request.graph, *before, *closure)) return answer;
+  answer.outcome = ClosureOutcome::kAccepted;
+  PoseGraph graph = request.graph;
+  graph.connect(*before);
+  graph.connect(*closure);
+  graph.optimise();
+  answer.map_from_node = graph.nodes();
+  answer.covariance = graph.covariance(request.nearest, request.keyframe.id);
+  answer.drift = graph.covariance(kOriginNode, request.keyframe.id);
   return answer;
 }
 

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,34 +14,52 @@
 
 namespace scanlock {
 
-/// A keyframe to be aligned with what an earlier visit saw there. A value, as RecoveryRequest.
+/// Node of the map's frame in the graph; keyframes have greater numbers.
+inline constexpr std::uint32_t kOriginNode = 0;
+
+/// A keyframe to be aligned with what an earlier visit saw there, and the graph to be optimised by it. A
+/// value: it can be worked on by another thread while the tracker goes on.
 struct ClosureRequest {
   std::int64_t serial = 0;
+  PoseGraph graph;
   ArchivedKeyframe keyframe;
-  std::uint32_t nearest = 0;              ///< keyframe of the earlier visit
-  std::vector<ArchivedKeyframe> earlier;  ///< around it: that visit's
-  std::vector<ArchivedKeyframe> recent;   ///< around it: this visit's, without the keyframe itself
-  Matrix6 covariance =
-      Matrix6::Identity();  ///< of the keyframe in the frame of `nearest`, as the graph knows it
-  double voxel = 0;         ///< metres
+  std::uint32_t nearest = 0;                   ///< keyframe of the earlier visit
+  std::vector<ArchivedKeyframe> earlier;       ///< around it: that visit's
+  std::vector<ArchivedKeyframe> recent;        ///< around it: this visit's, without the keyframe itself
+  std::optional<Constraint> pending;           ///< a closure of the keyframe before, which needs a second one
+  Matrix6 usual_covariance = Matrix6::Zero();  ///< of the last closure
+  double voxel = 0;                            ///< metres
   bool planar = false;
   Odometer::Usual usual;
 };
 
+enum class ClosureOutcome : std::int8_t {
+  kKnown,     ///< the graph knows how the two lie to each other about as well as a closure would tell
+  kRefused,   ///< the keyframe is not explained there, or too far off
+  kPending,   ///< found; another one has to agree
+  kAccepted,  ///< two agree, and the graph was optimised
+};
+
 struct ClosureAnswer {
   std::int64_t serial = 0;
-  bool found = false;
-  Constraint constraint;  ///< from `nearest` to the keyframe
-  std::string reason;     ///< in words
+  std::uint32_t keyframe = 0, nearest = 0;
+  ClosureOutcome outcome = ClosureOutcome::kRefused;
+  std::string reason;  ///< in words
+  /// Of the keyframe in the frame of `nearest`, with the closure where one is accepted.
+  Matrix6 covariance = Matrix6::Zero();
+  Constraint closure;  ///< from `nearest` to the keyframe; of a pending and an accepted one
+  // Of an accepted one:
+  std::map<std::uint32_t, Pose> map_from_node;
+  Matrix6 drift = Matrix6::Zero();  ///< covariance of the keyframe in the map's frame
 };
 
 /// Aligns the keyframe with the earlier visit, from where the graph puts it. Found when as much of it is
-/// explained there as in what was seen around it just now, within a fifth, no farther off than the
-/// covariances allow in all but one of a thousand.
+/// explained there as in what was seen around it just now, within a fifth, and no farther off than the
+/// covariances allow in all but one of a thousand; accepted when the one before says the same of how the two
+/// visits lie to each other.
 ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& config);
 
-/// Bounds that the squared Mahalanobis distance of a pose exceeds once in a thousand (chi-square, 6 degrees
-/// of freedom).
+/// The squared Mahalanobis distance that one pose in a thousand exceeds (chi-square, 6 degrees of freedom).
 inline constexpr double kOnceInThousand = 22.46;
 
 }  // namespace scanlock

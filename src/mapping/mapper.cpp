@@ -13,10 +13,10 @@
 namespace scanlock {
 namespace {
 
-constexpr std::uint32_t kOrigin = 0;     // node of the map's frame; keyframes have greater numbers
 constexpr double kFloor = 1e-3;          // metres and radians: no pose is known better
 constexpr std::size_t kMostAround = 20;  // keyframes that make one side of a closure: a cap on its cost
-constexpr double kWorthwhile = 2.0;      // times the variance of the last closure
+constexpr std::uint32_t kTrail = 6;      // keyframes of one reach of way: what lies behind is renewed
+constexpr double kSameSpot = 1.0 / 3.0;  // of the reach
 constexpr double kJumpMetres = 0.05, kJumpRadians = 0.5 * kDegree;  // more is told as a new epoch
 
 std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position,
@@ -27,10 +27,6 @@ std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position,
   });
   some.resize(std::min(some.size(), kMostAround));
   return some;
-}
-
-double size_of(const Matrix6& covariance, double arm) {
-  return covariance.topLeftCorner<3, 3>().trace() + arm * arm * covariance.bottomRightCorner<3, 3>().trace();
 }
 
 }  // namespace
@@ -47,7 +43,8 @@ TrackedScan Mapper::track(const Scan& scan, const ScanPrior& prior) {
   if (tracked.recovery && tracked.recovery->accepted) {
     pending_.reset();
     const ArchivedKeyframe& nearest = tracker_.archive().nearest(tracker_.own_from_body().translation());
-    if (graph_.contains(nearest.id)) tracker_.set_drift(drift_at(nearest.id));
+    if (graph_.contains(nearest.id))
+      tracker_.set_drift(seen_from_robot(nearest.id, graph_.covariance(kOriginNode, nearest.id)));
   }
   if (correction_ && !tracked.recovery) {
     correction_->map_from_body = tracked.map_from_body;
@@ -71,8 +68,8 @@ void Mapper::follow_archive() {
       odometry.from_to = k.tie->before_from_here;
       odometry.information = inverse(k.tie->covariance);
     } else {
-      graph_.add(kOrigin, Pose::Identity());
-      odometry.from = kOrigin;
+      graph_.add(kOriginNode, Pose::Identity());
+      odometry.from = kOriginNode;
       odometry.from_to = map_from_keyframe;
       odometry.information = inverse(Matrix6(tracker_.drift() + kFloor * kFloor * Matrix6::Identity()));
     }
@@ -82,9 +79,27 @@ void Mapper::follow_archive() {
   known_ = keyframes.back().id + 1;
   std::vector<std::uint32_t> gone;
   for (const auto& [id, pose] : graph_.nodes()) {
-    if (id != kOrigin && !tracker_.archive().find(id)) gone.push_back(id);
+    if (id != kOriginNode && !tracker_.archive().find(id)) gone.push_back(id);
   }
   for (const std::uint32_t id : gone) graph_.remove(id);
+  renew_places();
+}
+
+/// Keyframes that lie a reach behind the robot take the place of those of an earlier visit.
+void Mapper::renew_places() {
+  while (!revisits_.empty() && revisits_.begin()->first + kTrail <= known_) {
+    const auto [id, revisit] = *revisits_.begin();
+    revisits_.erase(revisits_.begin());
+    const ArchivedKeyframe* newer = tracker_.archive().find(id);
+    const ArchivedKeyframe* old = tracker_.archive().find(revisit.nearest);
+    if (!newer || !old || !graph_.contains(id) || !graph_.contains(old->id)) continue;
+    const double apart = (newer->map_from_body.translation() - old->map_from_body.translation()).norm();
+    if (apart > kSameSpot * static_cast<double>(newer->reach)) continue;
+    graph_.renew(old->id, id, revisit.covariance);
+    tracker_.renew(old->id, id);
+    for (auto& [other, at] : revisits_) at.nearest = at.nearest == id ? revisit.nearest : at.nearest;
+    if (pending_ && (pending_->from == id || pending_->to == id)) pending_.reset();
+  }
 }
 
 std::optional<MapRequest> Mapper::take_request() {
@@ -99,8 +114,7 @@ std::optional<MapRequest> Mapper::take_request() {
   return request;
 }
 
-/// The newest keyframe, where an earlier visit was near by and the graph knows less of where the two lie to
-/// each other than another closure would tell.
+/// For the newest keyframe, where an earlier visit was near by.
 std::optional<ClosureRequest> Mapper::closure_request() {
   const std::vector<ArchivedKeyframe>& keyframes = tracker_.archive().keyframes();
   if (keyframes.empty() || !tracker_.on_known_ground()) return std::nullopt;
@@ -108,22 +122,22 @@ std::optional<ClosureRequest> Mapper::closure_request() {
   if (asked_ == newest.id || !graph_.contains(newest.id)) return std::nullopt;
   asked_ = newest.id;
   const Eigen::Vector3d here = newest.map_from_body.translation();
-  const auto reach = static_cast<double>(newest.reach);
   const std::int64_t since = tracker_.local_map_utime();
   ClosureRequest request;
   for (const ArchivedKeyframe& k : keyframes) {
-    if (k.id == newest.id || (k.map_from_body.translation() - here).norm() > reach) continue;
+    const double distance = (k.map_from_body.translation() - here).norm();
+    if (k.id == newest.id || distance > static_cast<double>(newest.reach)) continue;
     (k.utime < since ? request.earlier : request.recent).push_back(k);
   }
   if (request.earlier.empty() || request.recent.empty()) return std::nullopt;
   request.earlier = nearest_to(here, std::move(request.earlier));
   request.recent = nearest_to(here, std::move(request.recent));
   request.nearest = request.earlier.front().id;
-  request.covariance = graph_.covariance(request.nearest, newest.id);
-  if (!pending_ && size_of(request.covariance, reach) < kWorthwhile * size_of(told_, reach))
-    return std::nullopt;
+  request.graph = graph_;
   request.serial = ++serial_;
   request.keyframe = newest;
+  request.pending = pending_;
+  request.usual_covariance = usual_covariance_;
   request.voxel = tracker_.voxel();
   request.planar = tracker_.planar();
   request.usual = tracker_.usual();
@@ -140,64 +154,46 @@ void Mapper::give(MapAnswer answer) {
 }
 
 void Mapper::take_closure(const ClosureAnswer& answer) {
-  const Constraint& found = answer.constraint;
-  if (answer.serial != serial_ || !graph_.contains(found.from) || !graph_.contains(found.to)) return;
   const std::optional<Constraint> before = std::exchange(pending_, std::nullopt);
-  if (!answer.found) return;
-  const bool there = before && graph_.contains(before->from) && graph_.contains(before->to);
-  if (!there || !agree(*before, found)) {
-    pending_ = found;
+  if (answer.serial != serial_ || !graph_.contains(answer.nearest) || !graph_.contains(answer.keyframe))
     return;
-  }
-  graph_.connect(*before);
-  graph_.connect(found);
-  told_ = inverse(found.information);
+  if (answer.outcome == ClosureOutcome::kPending) pending_ = answer.closure;
+  if (answer.outcome == ClosureOutcome::kKnown || answer.outcome == ClosureOutcome::kAccepted)
+    revisits_[answer.keyframe] = {answer.nearest, answer.covariance};
+  if (answer.outcome != ClosureOutcome::kAccepted) return;
+  if (before && graph_.contains(before->from) && graph_.contains(before->to)) graph_.connect(*before);
+  graph_.connect(answer.closure);
+  usual_covariance_ = inverse(answer.closure.information);
   ++closures_;
-  bend();
-}
-
-/// Whether two closures say the same of how the two visits lie to each other, as far as they and the ways
-/// between them are known.
-bool Mapper::agree(const Constraint& a, const Constraint& b) const {
-  const std::map<std::uint32_t, Pose>& at = graph_.nodes();
-  const Pose a_from_b = at.at(a.to).inverse() * at.at(b.to);           // this visit
-  const Pose from_a_from_b = at.at(a.from).inverse() * at.at(b.from);  // the earlier one
-  const Vector6 apart = se3_log(b.from_to.inverse() * from_a_from_b.inverse() * a.from_to * a_from_b);
-  const Matrix6 recent = adjoint(a_from_b.inverse()), earlier = adjoint(b.from_to.inverse());
-  const Matrix6 covariance = recent * inverse(a.information) * recent.transpose() + inverse(b.information) +
-                             graph_.covariance(a.to, b.to) +
-                             earlier * graph_.covariance(a.from, b.from) * earlier.transpose();
-  return apart.dot(inverse(covariance) * apart) < kOnceInThousand;
+  bend(answer);
 }
 
 /// Brings the tracker's keyframes to the optimum. Its own frame stays with the robot and the scans around it;
 /// what moves is the rest of the map, and the frame that poses are told in.
-void Mapper::bend() {
-  const std::uint32_t newest = tracker_.archive().keyframes().back().id;
-  const Pose own_from_newest = tracker_.archive().keyframes().back().map_from_body;
+void Mapper::bend(const ClosureAnswer& answer) {
+  const ArchivedKeyframe& newest = tracker_.archive().keyframes().back();
   const Pose before = tracker_.map_from_own();
-  graph_.optimise();
-  const Pose map_from_own = renormalised(graph_.nodes().at(newest) * own_from_newest.inverse());
+  graph_.move(answer.map_from_node);
+  const Pose map_from_own = renormalised(graph_.nodes().at(newest.id) * newest.map_from_body.inverse());
   std::map<std::uint32_t, Pose> own_from_keyframe;
   for (const auto& [id, pose] : graph_.nodes())
     own_from_keyframe.emplace(id, renormalised(map_from_own.inverse() * pose));
   const Pose here = tracker_.own_from_body();
   const bool jumps = !near(before * here, map_from_own * here, kJumpMetres, kJumpRadians);
-  tracker_.correct(own_from_keyframe, map_from_own, drift_at(newest), jumps);
+  tracker_.correct(own_from_keyframe, map_from_own, seen_from_robot(answer.keyframe, answer.drift), jumps);
   if (!jumps) return;
   correction_ = Recovery();
   correction_->accepted = true;
   correction_->loop_closure = true;
-  correction_->reason = "loop closure";
+  correction_->reason = "loop closure: " + answer.reason;
   correction_->map_from_predicted = map_from_own * before.inverse();
 }
 
-/// Covariance of the map around a keyframe against the first one, in the frame of the robot.
-Matrix6 Mapper::drift_at(std::uint32_t keyframe) const {
-  const Pose keyframe_from_map = graph_.nodes().at(keyframe).inverse();
-  const Matrix6 onwards =
-      adjoint((keyframe_from_map * tracker_.map_from_own() * tracker_.own_from_body()).inverse());
-  return onwards * graph_.covariance(kOrigin, keyframe) * onwards.transpose();
+/// A covariance of a keyframe, in its frame, as one of the robot.
+Matrix6 Mapper::seen_from_robot(std::uint32_t keyframe, const Matrix6& covariance) const {
+  const Pose map_from_robot = tracker_.map_from_own() * tracker_.own_from_body();
+  const Matrix6 onwards = adjoint(map_from_robot.inverse() * graph_.nodes().at(keyframe));
+  return onwards * covariance * onwards.transpose();
 }
 
 void Mapper::reset() {
@@ -206,6 +202,7 @@ void Mapper::reset() {
   known_ = 0;
   asked_.reset();
   pending_.reset();
+  revisits_.clear();
 }
 
 void Mapper::load(SavedMap saved) {

@@ -4,8 +4,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
-#include <string>
+#include <utility>
 #include <variant>
 
 #include "mapping/loop_closure.hpp"
@@ -31,8 +32,9 @@ class MapWorker {
 
 /// A tracker whose archived keyframes are the nodes of a pose graph. Where the robot comes to ground that an
 /// earlier visit saw, the newest keyframe is aligned with what was seen then; two such loop closures in a row
-/// that agree become constraints, and the map is bent to them between two scans.
-/// As the tracker, a pure function of its state, the scans and the answers.
+/// that agree become constraints, and the map is bent to them between two scans. Where it is known how the
+/// two visits lie to each other, the newer keyframes take the place of the older ones, so that the map grows
+/// by new ground alone. As the tracker, a pure function of its state, the scans and the answers.
 class Mapper {
  public:
   explicit Mapper(const TrackerConfig& config) : tracker_(config) {}
@@ -52,27 +54,32 @@ class Mapper {
   void load(SavedMap saved);
   PointCloud map() const { return tracker_.map(); }
 
+  /// Its nodes are kOriginNode and the archived keyframes, in the map's frame.
   const PoseGraph& graph() const { return graph_; }
-  /// Frame of graph().nodes() is the map's.
-  int closures() const { return closures_; }
 
  private:
+  /// How a keyframe lies to one of an earlier visit.
+  struct Revisit {
+    std::uint32_t nearest = 0;
+    Matrix6 covariance = Matrix6::Zero();
+  };
   void follow_archive();
+  void renew_places();
   std::optional<ClosureRequest> closure_request();
   void take_closure(const ClosureAnswer& answer);
-  bool agree(const Constraint& a, const Constraint& b) const;
-  void bend();
-  Matrix6 drift_at(std::uint32_t keyframe) const;
+  void bend(const ClosureAnswer& answer);
+  Matrix6 seen_from_robot(std::uint32_t keyframe, const Matrix6& covariance) const;
 
   Tracker tracker_;
   PoseGraph graph_;
   std::uint32_t known_ = 0;  ///< keyframes of smaller ids were added to the graph
   std::int64_t serial_ = 0;
   bool out_ = false;
-  std::optional<std::uint32_t> asked_;  ///< the last keyframe that a closure was asked for
-  std::optional<Constraint> pending_;   ///< of the keyframe before, until another one agrees
-  Matrix6 told_ = Matrix6::Zero();      ///< covariance of the last closure that was believed
-  std::optional<Recovery> correction_;  ///< to be told with the next scan
+  std::optional<std::uint32_t> asked_;          ///< the last keyframe that a closure was asked for
+  std::optional<Constraint> pending_;           ///< of the keyframe before, until another one agrees
+  Matrix6 usual_covariance_ = Matrix6::Zero();  ///< of the last closure
+  std::map<std::uint32_t, Revisit> revisits_;   ///< by keyframe, until it takes the other one's place
+  std::optional<Recovery> correction_;          ///< to be told with the next scan
   int closures_ = 0;
 };
 

@@ -217,6 +217,47 @@ void PoseGraph::remove(std::uint32_t node) {
   }
 }
 
+void PoseGraph::renew(std::uint32_t old, std::uint32_t newer, const Matrix6& covariance) {
+  const Pose old_from_newer = nodes_.at(old).inverse() * nodes_.at(newer);
+  const Matrix6 onwards = adjoint(old_from_newer.inverse());
+  std::vector<Constraint> stay, moved;
+  std::vector<std::uint32_t> neighbours;
+  for (Constraint c : constraints_) {
+    if (!touches(c, old) && !touches(c, newer)) stay.push_back(c);
+    if (!touches(c, old) || touches(c, newer)) continue;
+    if (c.to != old) c = reversed(c);
+    c.from_to = renormalised(c.from_to * old_from_newer);
+    c.information = inverse(Matrix6(onwards * inverse(c.information) * onwards.transpose()));
+    neighbours.push_back(c.from);
+    moved.push_back(c);
+  }
+  for (Constraint c : constraints_) {
+    if (!touches(c, newer) || touches(c, old)) continue;
+    if (c.to != newer) c = reversed(c);
+    c.to = old;
+    c.information = inverse(Matrix6(inverse(c.information) + covariance));
+    if (std::find(neighbours.begin(), neighbours.end(), c.from) == neighbours.end()) moved.push_back(c);
+  }
+  nodes_.at(old) = nodes_.at(newer);
+  nodes_.erase(newer);
+  constraints_ = std::move(stay);
+  for (const Constraint& c : moved) connect(c);
+}
+
+void PoseGraph::move(const std::map<std::uint32_t, Pose>& map_from_node) {
+  if (map_from_node.empty()) return;
+  const auto last = map_from_node.rbegin();
+  const auto here = nodes_.find(last->first);
+  const Pose later = here == nodes_.end() ? Pose::Identity() : Pose(last->second * here->second.inverse());
+  for (auto& [node, pose] : nodes_) {
+    const auto moved = map_from_node.find(node);
+    if (moved != map_from_node.end())
+      pose = moved->second;
+    else if (node > last->first)
+      pose = renormalised(later * pose);
+  }
+}
+
 PoseGraph::Change PoseGraph::optimise() {
   Change change;
   if (nodes_.empty()) return change;

@@ -47,11 +47,19 @@ class PoseGraph {
   /// a chain nothing is lost. Loop closures that the rest contradicts go with it.
   void remove(std::uint32_t node);
 
+  /// The node `old` becomes what `newer` is: its pose, and what was measured of it. `covariance`: of that
+  /// pose in the frame of the old one. What was known between `old` and a neighbour stays as it is: a map
+  /// that is driven through again and again neither drifts nor gets surer of itself by the same surfaces.
+  void renew(std::uint32_t old, std::uint32_t newer, const Matrix6& covariance);
+
   /// How far the optimum moved any node from where it was.
   struct Change {
     double metres = 0, radians = 0;
   };
   Change optimise();
+  /// Poses that were optimised elsewhere. Nodes that came later move with the last one that is among them,
+  /// those that have left meanwhile are ignored.
+  void move(const std::map<std::uint32_t, Pose>& map_from_node);
 
   /// The covariance of one pose in the frame of another, right perturbation; huge where nothing connects
   /// them.

@@ -13,8 +13,6 @@ namespace scanlock {
 namespace {
 
 constexpr double kSpacing = 1.0 / 6.0;       // of the reach, between two places
-constexpr double kSuperseded = 1.0 / 3.0;    // of the reach, around a new place
-constexpr std::size_t kTrail = 6;            // keyframes added in one reach of way
 constexpr double kRigid = 1e-3;              // metres and radians, of a map that was saved
 constexpr std::int64_t kFresh = 60000000;    // microseconds: the drift of a minute does not matter
 constexpr double kNeighbourhood = 20.0;      // metres
@@ -79,7 +77,6 @@ void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double 
   thin.z = points.z;
   for (double voxel = kFirstVoxel * std::max(reach, 1.0); thin.size() > kMostPoints; voxel *= std::sqrt(2.0))
     thin = select(thin, thin_by_voxel(thin, static_cast<float>(voxel)));
-  if (keyframes_.size() >= kTrail) supersede(ArchivedKeyframe(keyframes_[keyframes_.size() - kTrail]));
   ArchivedKeyframe keyframe;
   keyframe.utime = utime;
   keyframe.map_from_body = map_from_body;
@@ -91,12 +88,23 @@ void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double 
   evict();
 }
 
-void KeyframeArchive::supersede(const ArchivedKeyframe& by) {
-  const auto superseded = [&](const ArchivedKeyframe& k) {
-    return !is_fresh(k, by.utime) && (k.map_from_body.translation() - by.map_from_body.translation()).norm() <
-                                         kSuperseded * static_cast<double>(by.reach);
+void KeyframeArchive::renew(std::uint32_t old, std::uint32_t newer) {
+  const auto at = [&](std::uint32_t id) {
+    return std::find_if(keyframes_.begin(), keyframes_.end(),
+                        [id](const ArchivedKeyframe& k) { return k.id == id; });
   };
-  keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(), superseded), keyframes_.end());
+  const auto kept = at(old), gone = at(newer);
+  std::vector<Eigen::Vector3f> stands = gone->stands;
+  for (const Eigen::Vector3f& up : kept->stands) {
+    if (stands.size() < kMostStands && !stands_alike(stands, up)) stands.push_back(up);
+  }
+  const std::optional<OdometryTie> tie = kept->tie;
+  *kept = std::move(*gone);
+  kept->id = old;
+  kept->tie = tie;
+  kept->stands = std::move(stands);
+  keyframes_.erase(gone);
+  count_points();
 }
 
 void KeyframeArchive::move(const std::map<std::uint32_t, Pose>& map_from_body) {
@@ -152,9 +160,13 @@ void KeyframeArchive::clear() {
   points_ = 0;
 }
 
-void KeyframeArchive::evict() {
+void KeyframeArchive::count_points() {
   points_ = 0;
   for (const ArchivedKeyframe& k : keyframes_) points_ += k.points->size();
+}
+
+void KeyframeArchive::evict() {
+  count_points();
   std::size_t gone = 0;
   while (points_ > max_points_ && gone + 1 < keyframes_.size()) points_ -= keyframes_[gone++].points->size();
   keyframes_.erase(keyframes_.begin(), keyframes_.begin() + static_cast<std::ptrdiff_t>(gone));

@@ -44,9 +44,8 @@ struct SavedMap {
 /// The same map in another frame, whose z axis must point the same way; the points are shared.
 SavedMap moved(const SavedMap& map, const Pose& there_from_here);
 
-/// The long memory: places spread over all mapped ground, for coming back to. What it costs is bounded by its
-/// cap. Who drives over known ground again renews it: odometry drifts, and places of hours ago would lie
-/// beside those of now. Copies are cheap: they share the points.
+/// The long memory: keyframes spread over all mapped ground, for coming back to. What it costs is bounded by
+/// its cap. Copies are cheap: they share the points.
 class KeyframeArchive {
  public:
   /// `max_points`: over all keyframes; the oldest give way.
@@ -60,14 +59,15 @@ class KeyframeArchive {
   /// The size of the scene around a position: the mean reach, metres, of the places there. Not of an empty
   /// one.
   double scene(const Eigen::Vector3d& position) const;
-  /// `points` in the body frame, any density. Once the robot has gone on by about its reach, places that are
-  /// more than a minute older give way within a third of it.
+  /// `points` in the body frame, any density.
   void add(std::int64_t utime, const Pose& map_from_body, double reach, const PointCloud& points,
            const std::optional<OdometryTie>& tie = std::nullopt);
   /// The body stood like this: on slopes that differs from one step to the next.
   void note_stand(const Pose& map_from_body);
   /// What was saved, with ids and ties of its own: it is taken for rigid.
   void restore(std::vector<ArchivedKeyframe> keyframes);
+  /// The keyframe `old` becomes what `newer` is, but for its id; that one goes. Both have to be there.
+  void renew(std::uint32_t old, std::uint32_t newer);
   /// New poses, by id.
   void move(const std::map<std::uint32_t, Pose>& map_from_body);
   void clear();
@@ -84,7 +84,7 @@ class KeyframeArchive {
 
  private:
   std::size_t nearest_index(const Eigen::Vector3d& position) const;
-  void supersede(const ArchivedKeyframe& by);
+  void count_points();
   void evict();
 
   std::uint32_t next_id_ = 1;

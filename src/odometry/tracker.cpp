@@ -534,6 +534,10 @@ void Tracker::correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, co
   if (jumps) ++s.epoch;
 }
 
+void Tracker::renew(std::uint32_t old, std::uint32_t newer) {
+  state_->archive.renew(old, newer);
+}
+
 const Matrix6& Tracker::drift() const {
   return state_->odometer.drift();
 }

@@ -80,6 +80,8 @@ class Tracker {
   /// the map frame, in the frame of own_from_body(). `jumps`: poses in the map frame jump by it.
   void correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, const Pose& map_from_own,
                const Matrix6& drift, bool jumps);
+  /// See KeyframeArchive::renew.
+  void renew(std::uint32_t old, std::uint32_t newer);
   void set_drift(const Matrix6& drift);
   const Matrix6& drift() const;
 

@@ -240,6 +240,48 @@ TEST_CASE("a node that is taken away leaves what was measured through it") {
   CHECK(worst(graph, truth) < 1e-9);
 }
 
+TEST_CASE("a node that is renewed keeps its neighbours, and joins those of the newer one") {
+  Random random(6);
+  const std::vector<Pose> truth = ring(12);
+  PoseGraph graph;
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    graph.add(i, truth[i]);
+    if (i == 0) continue;
+    Constraint c = measured(i - 1, i, truth);
+    c.information = 1e4 * random.information();
+    graph.connect(c);
+  }
+  const Matrix6 before = graph.covariance(3, 8);
+  // Node 9 is the place of node 3, seen again.
+  Constraint closure = measured(3, 9, truth);
+  closure.loop_closure = true;
+  graph.connect(closure);
+  graph.renew(3, 9, 1e-4 * Matrix6::Identity());
+  CHECK(graph.nodes().size() == 11);
+  CHECK((graph.nodes().at(3).matrix() - truth[9].matrix()).norm() == 0);
+  CHECK(graph.constraints().size() == 11);  // 0 to 8, and 3 to 8 and 10
+  CHECK(graph.optimise().metres < 1e-9);
+  CHECK(graph.covariance(3, 8).trace() < before.trace());  // two ways lead there
+  graph.renew(3, 4, 1e-4 * Matrix6::Identity());
+  CHECK(graph.constraints().size() == 10);
+  CHECK(graph.optimise().metres < 1e-9);
+  CHECK((graph.nodes().at(3).matrix() - truth[4].matrix()).norm() < 1e-9);
+}
+
+TEST_CASE("poses optimised elsewhere take those with them that came later") {
+  const std::vector<Pose> truth = ring(6);
+  PoseGraph graph;
+  for (std::uint32_t i = 0; i < 6; ++i) graph.add(i, truth[i]);
+  Random random(7);
+  const Pose by = random.pose(1, 0.1);
+  graph.move({{1, truth[0]}, {3, by * truth[3]}});
+  CHECK(graph.nodes().at(1).matrix() == truth[0].matrix());
+  CHECK(graph.nodes().size() == 6);
+  CHECK(graph.nodes().at(2).matrix() == truth[2].matrix());
+  CHECK(graph.nodes().at(3).matrix() == (by * truth[3]).matrix());
+  CHECK((graph.nodes().at(5).matrix() - (by * truth[5]).matrix()).norm() < 1e-9);
+}
+
 TEST_CASE("two measurements of one relative pose count as their weighted mean") {
   std::vector<Pose> truth(2, Pose::Identity());
   PoseGraph graph;

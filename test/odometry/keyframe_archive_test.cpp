@@ -36,23 +36,25 @@ TEST_CASE("the archive wants a place only where it has none") {
   CHECK(archive.wants(2, {1.9, 0, 0}, 6));
 }
 
-TEST_CASE("a place that is seen again after a minute gives way to what is seen now") {
+TEST_CASE("a keyframe that is renewed becomes the newer one, and keeps its id and how the body stood") {
   constexpr std::int64_t kSecond = 1000000;
   KeyframeArchive archive(1000000);
   for (int i = 0; i < 10; ++i) archive.add(i * kSecond, at(2.5 * i, 0), 12, ring(500, 12));
   CHECK_FALSE(archive.wants(30 * kSecond, {0, 0.5, 0}, 12));
   CHECK(archive.wants(100 * kSecond, {0, 0.5, 0}, 12));
-  // The same way again and on, half a metre beside it: nothing stays of the first pass once it is out of
-  // sight.
-  for (int i = 0; i < 16; ++i) {
-    const Pose pose = at(2.5 * i, 0.5);
-    REQUIRE(archive.wants((100 + i) * kSecond, pose.translation(), 12));
-    archive.add((100 + i) * kSecond, pose, 12, ring(400, 12));
-    if (i == 5) CHECK(archive.keyframes().size() == 16);
-  }
-  CHECK(archive.keyframes().size() == 16);
-  CHECK(archive.points() == 16 * 400);
-  for (const ArchivedKeyframe& k : archive.keyframes()) CHECK(k.utime >= 100 * kSecond);
+  Pose tilted = at(5, 0.4);
+  tilted.linear() = so3_exp(Eigen::Vector3d(0.1, 0, 0));
+  archive.note_stand(at(5, 0));
+  archive.add(100 * kSecond, at(5, 0.5), 12, ring(400, 12));
+  archive.note_stand(tilted);
+  archive.renew(3, 11);
+  CHECK(archive.keyframes().size() == 10);
+  CHECK(archive.points() == 9 * 500 + 400);
+  CHECK(archive.find(11) == nullptr);
+  REQUIRE(archive.find(3) != nullptr);
+  CHECK(archive.find(3)->utime == 100 * kSecond);
+  CHECK(archive.find(3)->map_from_body.translation().y() == 0.5);
+  CHECK(archive.find(3)->stands.size() == 2);
 }
 
 TEST_CASE("a place is thinned and the oldest places give way to the cap") {
