@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
 
 #include "command_line.hpp"
 #include "daemon/config.hpp"
@@ -33,7 +34,8 @@ struct Options {
 
 /// What a replay led to.
 struct Result {
-  Trajectory trajectory;  // of every scan that has a pose, predicted ones too
+  Trajectory trajectory;                             // of every scan that has a pose, predicted ones too
+  std::vector<std::optional<std::uint32_t>> stamps;  // of its poses, see PoseHistory
   std::array<std::int64_t, 6> states{};
   std::int64_t recoveries = 0, loop_closures = 0, false_starts = 0;
   double distance_m = 0;
@@ -52,6 +54,14 @@ struct Result {
       distance_m += (tracked.map_from_body.translation() - trajectory.back().pose.translation()).norm();
     epoch_ = tracked.epoch;
     trajectory.push_back({static_cast<double>(tracked.utime) * 1e-6, tracked.map_from_body});
+    stamps.push_back(tracked.stamp);
+  }
+
+  /// Poses go to where the map has them at the end.
+  void settle(const Pipeline& pipeline) {
+    for (std::size_t i = 0; i < trajectory.size(); ++i) {
+      if (stamps[i]) trajectory[i].pose = pipeline.correction(*stamps[i]) * trajectory[i].pose;
+    }
   }
 
  private:
@@ -162,6 +172,7 @@ int run(const Options& options) {
   if (!options.output_path.empty())
     sink = std::make_unique<LogSink>(options.output_path, LogWriter::Mode::kCreate);
   Pipeline pipeline(config, statistics, Pipeline::Mode::kReplay);
+  pipeline.keep_history();
   Replay replay({options.log_path, 0, 0}, config, SCANLOCK_VERSION, pipeline, statistics, *sink);
   Result result;
   {
@@ -174,6 +185,7 @@ int run(const Options& options) {
   const std::string why = replay.why_no_scan(), damage = replay.damage();
   if (!why.empty()) throw std::runtime_error(why + (damage.empty() ? "" : " (" + damage + ")"));
   if (!options.map_path.empty()) write_cloud(options.map_path, pipeline.map());
+  result.settle(pipeline);
   if (!options.tum_path.empty()) write_tum(options.tum_path, result.trajectory);
   if (!options.kitti_path.empty()) write_kitti(options.kitti_path, result.trajectory);
   if (!damage.empty()) std::cerr << "scanlock-odometry: " << damage << "\n";
@@ -194,9 +206,11 @@ void declare(CLI::App& app, Options& options) {
       ->allow_extra_args(false);
   app.add_option("--threads", options.threads, "Worker threads; the result does not depend on it")
       ->check(CLI::Range(1, 256).description(""));
-  app.add_option("--poses", options.tum_path, "Write the trajectory (TUM)");
-  app.add_option("--kitti", options.kitti_path, "Write the trajectory (KITTI)");
-  app.add_option("--output", options.output_path, "Write poses and odometry messages (LCM log)");
+  app.add_option("--poses", options.tum_path,
+                 "Write the trajectory (TUM), as loop closures leave it at the end");
+  app.add_option("--kitti", options.kitti_path, "Write the trajectory (KITTI), likewise");
+  app.add_option("--output", options.output_path,
+                 "Write poses and odometry messages (LCM log), as they were at the time");
   app.add_option("--map", options.map_path, "Write the map at the end (.ply)");
   app.add_flag("--force", options.force, "Overwrite outputs that are there already");
   app.add_flag("--json", options.json, "Print one JSON object on standard output");

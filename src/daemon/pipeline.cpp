@@ -95,6 +95,12 @@ TrackedScan Pipeline::track_with_prior(const ReceivedScan& received) {
   return tracked;
 }
 
+Pose Pipeline::correction(std::uint32_t stamp) const {
+  const Pose in_sensor_map = mapper_.correction(stamp);
+  if (in_sensor_map.matrix() == Pose::Identity().matrix()) return in_sensor_map;
+  return body_from_sensor_ * in_sensor_map * body_from_sensor_.inverse();
+}
+
 void Pipeline::note_clock(const TrackedScan& tracked) {
   if (!tracked.clock_step_from) return;
   statistics_.complain(&Counters::clock_steps,

@@ -46,6 +46,11 @@ class Pipeline {
 
   PointCloud map() const { return mapper_.map(); }
 
+  /// For trajectories that are written at the end: see Mapper.
+  void keep_history() { mapper_.keep_history(); }
+  /// What leads from a pose of the body as it was told to where the map puts it now.
+  Pose correction(std::uint32_t stamp) const;
+
  private:
   void track(const ReceivedScan& received, FinishedScan* finished);
   TrackedScan track_with_prior(const ReceivedScan& received);

@@ -40,6 +40,10 @@ TrackedScan Mapper::track(const Scan& scan, const ScanPrior& prior) {
   TrackedScan tracked = tracker_.track(scan, prior);
   follow_archive();
   tracked.loop_closures = closures_;
+  if (history_ && !graph_.nodes().empty()) {
+    const auto& [newest, pose] = *graph_.nodes().rbegin();
+    tracked.stamp = history_->stamp(newest, pose);
+  }
   if (tracked.recovery && tracked.recovery->accepted) {
     pending_.reset();
     const ArchivedKeyframe& nearest = tracker_.archive().nearest(tracker_.own_from_body().translation());
@@ -81,7 +85,10 @@ void Mapper::follow_archive() {
   for (const auto& [id, pose] : graph_.nodes()) {
     if (id != kOriginNode && !tracker_.archive().find(id)) gone.push_back(id);
   }
-  for (const std::uint32_t id : gone) graph_.remove(id);
+  for (const std::uint32_t id : gone) {
+    if (history_) history_->remove(id, graph_.nodes().at(id));
+    graph_.remove(id);
+  }
   renew_places();
 }
 
@@ -95,6 +102,7 @@ void Mapper::renew_places() {
     if (!newer || !old || !graph_.contains(id) || !graph_.contains(old->id)) continue;
     const double apart = (newer->map_from_body.translation() - old->map_from_body.translation()).norm();
     if (apart > kSameSpot * static_cast<double>(newer->reach)) continue;
+    if (history_) history_->renew(old->id, id, graph_.nodes().at(old->id).inverse() * graph_.nodes().at(id));
     graph_.renew(old->id, id, revisit.covariance);
     tracker_.renew(old->id, id);
     for (auto& [other, at] : revisits_) at.nearest = at.nearest == id ? revisit.nearest : at.nearest;
@@ -196,8 +204,15 @@ Matrix6 Mapper::seen_from_robot(std::uint32_t keyframe, const Matrix6& covarianc
   return onwards * covariance * onwards.transpose();
 }
 
+Pose Mapper::correction(std::uint32_t stamp) const {
+  return history_ ? history_->correction(stamp, graph_.nodes()) : Pose::Identity();
+}
+
 void Mapper::reset() {
   tracker_.reset();
+  if (history_) {
+    for (const auto& [id, pose] : graph_.nodes()) history_->remove(id, pose);
+  }
   graph_ = {};
   known_ = 0;
   asked_.reset();

@@ -11,6 +11,7 @@
 
 #include "mapping/loop_closure.hpp"
 #include "mapping/pose_graph.hpp"
+#include "mapping/pose_history.hpp"
 #include "odometry/tracker.hpp"
 
 namespace scanlock {
@@ -54,6 +55,11 @@ class Mapper {
   void load(SavedMap saved);
   PointCloud map() const { return tracker_.map(); }
 
+  /// From now on poses carry a stamp, for which correction() says where the map puts them later.
+  void keep_history() { history_.emplace(); }
+  /// See PoseHistory::correction. The identity where no history is kept.
+  Pose correction(std::uint32_t stamp) const;
+
   /// Its nodes are kOriginNode and the archived keyframes, in the map's frame.
   const PoseGraph& graph() const { return graph_; }
 
@@ -72,6 +78,7 @@ class Mapper {
 
   Tracker tracker_;
   PoseGraph graph_;
+  std::optional<PoseHistory> history_;
   std::uint32_t known_ = 0;  ///< keyframes of smaller ids were added to the graph
   std::int64_t serial_ = 0;
   bool out_ = false;

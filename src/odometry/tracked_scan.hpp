@@ -91,8 +91,9 @@ struct TrackedScan {
   double energy_score = 0;     ///< robust z-score of the energy against its history
   int keyframes = 0;
   int map_points = 0;
-  int loop_closures = 0;             ///< accepted so far
-  std::optional<Recovery> recovery;  ///< one came to its end with this scan
+  int loop_closures = 0;               ///< accepted so far
+  std::optional<std::uint32_t> stamp;  ///< see PoseHistory; none where no history is kept
+  std::optional<Recovery> recovery;    ///< one came to its end with this scan
 };
 
 }  // namespace scanlock

@@ -1,0 +1,50 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "mapping/pose_history.hpp"
+
+namespace scanlock {
+
+std::uint32_t PoseHistory::anchor_of(std::uint32_t keyframe) {
+  const auto [at, is_new] = current_.emplace(keyframe, static_cast<std::uint32_t>(anchors_.size()));
+  if (is_new) anchors_.push_back({Anchor::Kind::kKeyframe, keyframe, Pose::Identity()});
+  return at->second;
+}
+
+std::uint32_t PoseHistory::stamp(std::uint32_t keyframe, const Pose& map_from_keyframe) {
+  const std::uint32_t anchor = anchor_of(keyframe);
+  const bool same = !stamps_.empty() && stamps_.back().anchor == anchor &&
+                    stamps_.back().map_from_keyframe.matrix() == map_from_keyframe.matrix();
+  if (!same) stamps_.push_back({anchor, map_from_keyframe});
+  return static_cast<std::uint32_t>(stamps_.size() - 1);
+}
+
+void PoseHistory::renew(std::uint32_t old, std::uint32_t newer, const Pose& old_from_newer) {
+  const std::uint32_t before = anchor_of(old), now = anchor_of(newer);
+  anchors_[before] = {Anchor::Kind::kTied, now, old_from_newer.inverse()};
+  anchors_[now].to = old;
+  current_[old] = now;
+  current_.erase(newer);
+}
+
+void PoseHistory::remove(std::uint32_t keyframe, const Pose& map_from_keyframe) {
+  const auto at = current_.find(keyframe);
+  if (at == current_.end()) return;
+  anchors_[at->second] = {Anchor::Kind::kFixed, 0, map_from_keyframe};
+  current_.erase(at);
+}
+
+Pose PoseHistory::correction(std::uint32_t stamp,
+                             const std::map<std::uint32_t, Pose>& map_from_keyframe) const {
+  const Stamp& then = stamps_[stamp];
+  Pose onwards = Pose::Identity();
+  const Anchor* anchor = &anchors_[then.anchor];
+  for (; anchor->kind == Anchor::Kind::kTied; anchor = &anchors_[anchor->to])
+    onwards = anchor->from_here * onwards;
+  const Pose now =
+      anchor->kind == Anchor::Kind::kFixed ? anchor->from_here : map_from_keyframe.at(anchor->to);
+  const Pose map_from_here = now * onwards;
+  if (map_from_here.matrix() == then.map_from_keyframe.matrix()) return Pose::Identity();
+  return renormalised(map_from_here * then.map_from_keyframe.inverse());
+}
+
+}  // namespace scanlock

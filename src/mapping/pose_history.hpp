@@ -1,0 +1,46 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "geometry/rigid.hpp"
+
+namespace scanlock {
+
+/// To what a pose was tied when it was told, so that it can follow the map to where later loop closures put
+/// it. Poses are tied to the newest keyframe; one stamp is kept a keyframe and a correction, not one a pose.
+class PoseHistory {
+ public:
+  /// The stamp of poses that are told now, in a map where the newest keyframe is there.
+  std::uint32_t stamp(std::uint32_t keyframe, const Pose& map_from_keyframe);
+  /// The keyframe `old` takes the pose of `newer`, which goes.
+  void renew(std::uint32_t old, std::uint32_t newer, const Pose& old_from_newer);
+  /// A keyframe goes: what is tied to it stays there.
+  void remove(std::uint32_t keyframe, const Pose& map_from_keyframe);
+
+  /// What leads from a pose as it was told to the pose in the map as it is now: correction * told. The
+  /// identity, exactly, where its keyframe has not moved. Keyframes by their ids.
+  Pose correction(std::uint32_t stamp, const std::map<std::uint32_t, Pose>& map_from_keyframe) const;
+
+ private:
+  /// A keyframe as it was before it was renewed or removed.
+  struct Anchor {
+    enum class Kind : std::int8_t { kKeyframe, kTied, kFixed } kind = Kind::kKeyframe;
+    std::uint32_t to = 0;               ///< the keyframe, or the anchor that it is tied to
+    Pose from_here = Pose::Identity();  ///< to that anchor; of a fixed one to the map
+  };
+  struct Stamp {
+    std::uint32_t anchor = 0;
+    Pose map_from_keyframe = Pose::Identity();
+  };
+  std::uint32_t anchor_of(std::uint32_t keyframe);
+
+  std::vector<Anchor> anchors_;
+  std::map<std::uint32_t, std::uint32_t> current_;  ///< anchor of a keyframe
+  std::vector<Stamp> stamps_;
+};
+
+}  // namespace scanlock

@@ -1,0 +1,61 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "mapping/pose_history.hpp"
+
+#include <doctest/doctest.h>
+
+namespace scanlock {
+namespace {
+
+Pose at(double x, double heading) {
+  Vector6 xi;
+  xi << x, 0.3, 0, 0, 0, heading;
+  return se3_exp(xi);
+}
+
+}  // namespace
+
+TEST_CASE("poses follow the keyframe that they were told at, through all that becomes of it") {
+  PoseHistory history;
+  std::map<std::uint32_t, Pose> map{{1, at(1, 0.1)}, {2, at(2, 0.2)}};
+  const std::uint32_t one = history.stamp(1, map[1]);
+  CHECK(history.stamp(1, map[1]) == one);
+  const std::uint32_t two = history.stamp(2, map[2]);
+  CHECK(two != one);
+  CHECK(history.correction(one, map).matrix() == Pose::Identity().matrix());
+
+  // The map is bent: a pose told then is where it was in its keyframe.
+  const Pose by_one = at(0.3, 0.05), by_two = at(0.5, 0.02);
+  map[1] = by_one * map[1];
+  map[2] = by_two * map[2];
+  CHECK(near(history.correction(one, map), by_one, 1e-12, 1e-12));
+  CHECK(near(history.correction(two, map), by_two, 1e-12, 1e-12));
+  const std::uint32_t later = history.stamp(2, map[2]);
+  CHECK(later != two);
+  CHECK(history.correction(later, map).matrix() == Pose::Identity().matrix());
+
+  // Keyframe 1 is renewed by 2, and moves on as that.
+  history.renew(1, 2, map[1].inverse() * map[2]);
+  map[1] = map[2];
+  map.erase(2);
+  CHECK(near(history.correction(one, map), by_one, 1e-12, 1e-12));
+  CHECK(near(history.correction(two, map), by_two, 1e-12, 1e-12));
+  const Pose again = at(-0.2, 0.3);
+  map[1] = again * map[1];
+  CHECK(near(history.correction(one, map), again * by_one, 1e-12, 1e-12));
+  CHECK(near(history.correction(two, map), again * by_two, 1e-12, 1e-12));
+  CHECK(near(history.correction(later, map), again, 1e-12, 1e-12));
+
+  // It is renewed once more, and then forgotten.
+  map[3] = at(7, 0);
+  history.stamp(3, map[3]);
+  history.renew(1, 3, map[1].inverse() * map[3]);
+  map[1] = map[3];
+  map.erase(3);
+  history.remove(1, map[1]);
+  map.clear();
+  CHECK(near(history.correction(one, map), again * by_one, 1e-12, 1e-12));
+  CHECK(near(history.correction(later, map), again, 1e-12, 1e-12));
+}
+
+}  // namespace scanlock
