@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "mapping/loop_closure.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <cstdio>
 #include <limits>
 #include <utility>
@@ -10,8 +11,9 @@ namespace scanlock {
 namespace {
 
 constexpr double kLeastShare = 0.8;  // of the inlier ratio in the recent map
-constexpr double kStill = 1e8;   // information of a velocity of 0: archived points were seen at one instant
-constexpr double kFloor = 1e-3;  // metres and radians: no pose is predicted better
+constexpr double kStill = 1e8;     // information of a velocity of 0: archived points were seen at one instant
+constexpr double kFloor = 1e-3;    // metres and radians: no pose is predicted better
+constexpr double kNothing = 1e-6;  // information along what no surface holds: it stays invertible
 constexpr double kWorthwhile = 2.0;  // times the variance that a closure leaves
 
 PreparedScan prepared(const ClosureRequest& request) {
@@ -42,12 +44,6 @@ Attempt align(const ClosureRequest& request, const std::vector<ArchivedKeyframe>
   return odometer.look_far(prepared(request), prior);
 }
 
-/// The variance of a point of the scan, m^2.
-double spread(const Matrix6& covariance, double reach) {
-  return covariance.topLeftCorner<3, 3>().trace() +
-         reach * reach * covariance.bottomRightCorner<3, 3>().trace();
-}
-
 /// The closure of the keyframe with `nearest`; none where it is not found.
 std::optional<Constraint> find_closure(const ClosureRequest& request, const Matrix6& covariance,
                                        const TrackerConfig& config, std::string* reason) {
@@ -71,7 +67,14 @@ std::optional<Constraint> find_closure(const ClosureRequest& request, const Matr
   for (const ArchivedKeyframe& k : request.earlier) {
     if (k.id == request.nearest) closure.from_to = k.map_from_body.inverse() * found;
   }
-  closure.information = there.information();
+  closure.information = there.information() + kNothing * Matrix6::Identity();
+  if (request.planar) {
+    for (const int axis : {2, 3, 4}) {  // z, roll, pitch: it does not leave its plane
+      closure.information.row(axis).setZero();
+      closure.information.col(axis).setZero();
+      closure.information(axis, axis) = 1 / (kFloor * kFloor);
+    }
+  }
   closure.loop_closure = true;
   return closure;
 }
@@ -92,15 +95,20 @@ bool agree(const PoseGraph& graph, const Constraint& a, const Constraint& b) {
 
 }  // namespace
 
+bool is_worthwhile(const Matrix6& covariance, const Matrix6& usual_information) {
+  const Matrix6 half = covariance.llt().matrixL();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(Matrix6(half.transpose() * usual_information * half),
+                                                      Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().maxCoeff() >= kWorthwhile;
+}
+
 ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& config) {
   ClosureAnswer answer;
   answer.serial = request.serial;
   answer.keyframe = request.keyframe.id;
   answer.nearest = request.nearest;
   answer.covariance = request.graph.covariance(request.nearest, request.keyframe.id);
-  const auto reach = static_cast<double>(request.keyframe.reach);
-  if (!request.pending &&
-      spread(answer.covariance, reach) < kWorthwhile * spread(request.usual_covariance, reach)) {
+  if (!request.pending && !is_worthwhile(answer.covariance, request.usual_information)) {
     answer.outcome = ClosureOutcome::kKnown;
     return answer;
   }

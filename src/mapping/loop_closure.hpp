@@ -23,12 +23,12 @@ struct ClosureRequest {
   std::int64_t serial = 0;
   PoseGraph graph;
   ArchivedKeyframe keyframe;
-  std::uint32_t nearest = 0;                   ///< keyframe of the earlier visit
-  std::vector<ArchivedKeyframe> earlier;       ///< around it: that visit's
-  std::vector<ArchivedKeyframe> recent;        ///< around it: this visit's, without the keyframe itself
-  std::optional<Constraint> pending;           ///< a closure of the keyframe before, which needs a second one
-  Matrix6 usual_covariance = Matrix6::Zero();  ///< of the last closure
-  double voxel = 0;                            ///< metres
+  std::uint32_t nearest = 0;              ///< keyframe of the earlier visit
+  std::vector<ArchivedKeyframe> earlier;  ///< around it: that visit's
+  std::vector<ArchivedKeyframe> recent;   ///< around it: this visit's, without the keyframe itself
+  std::optional<Constraint> pending;      ///< a closure of the keyframe before, which needs a second one
+  Matrix6 usual_information = Matrix6::Identity();  ///< of the last closure
+  double voxel = 0;                                 ///< metres
   bool planar = false;
   Odometer::Usual usual;
 };
@@ -58,6 +58,9 @@ struct ClosureAnswer {
 /// covariances allow in all but one of a thousand; accepted when the one before says the same of how the two
 /// visits lie to each other.
 ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& config);
+
+/// Whether there is a direction in which a closure with the usual information would say more than is known.
+bool is_worthwhile(const Matrix6& covariance, const Matrix6& usual_information);
 
 /// The squared Mahalanobis distance that one pose in a thousand exceeds (chi-square, 6 degrees of freedom).
 inline constexpr double kOnceInThousand = 22.46;

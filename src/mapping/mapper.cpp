@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kFloor = 1e-3;          // metres and radians: no pose is known better
 constexpr std::size_t kMostAround = 20;  // keyframes that make one side of a closure: a cap on its cost
-constexpr std::uint32_t kTrail = 6;      // keyframes of one reach of way: what lies behind is renewed
+constexpr std::uint32_t kTrail = 6;      // keyframes of one reach of way
+constexpr int kFewSteps = 4;             // constraints of a way
 constexpr double kSameSpot = 1.0 / 3.0;  // of the reach
 constexpr double kJumpMetres = 0.05, kJumpRadians = 0.5 * kDegree;  // more is told as a new epoch
 
@@ -46,6 +47,7 @@ TrackedScan Mapper::track(const Scan& scan, const ScanPrior& prior) {
   }
   if (tracked.recovery && tracked.recovery->accepted) {
     pending_.reset();
+    last_revisit_.reset();
     const ArchivedKeyframe& nearest = tracker_.archive().nearest(tracker_.own_from_body().translation());
     if (graph_.contains(nearest.id))
       tracker_.set_drift(seen_from_robot(nearest.id, graph_.covariance(kOriginNode, nearest.id)));
@@ -106,6 +108,8 @@ void Mapper::renew_places() {
     graph_.renew(old->id, id, revisit.covariance);
     tracker_.renew(old->id, id);
     for (auto& [other, at] : revisits_) at.nearest = at.nearest == id ? revisit.nearest : at.nearest;
+    if (last_revisit_ && (last_revisit_->keyframe == id || last_revisit_->nearest == id))
+      last_revisit_.reset();
     if (pending_ && (pending_->from == id || pending_->to == id)) pending_.reset();
   }
 }
@@ -127,8 +131,8 @@ std::optional<ClosureRequest> Mapper::closure_request() {
   const std::vector<ArchivedKeyframe>& keyframes = tracker_.archive().keyframes();
   if (keyframes.empty() || !tracker_.on_known_ground()) return std::nullopt;
   const ArchivedKeyframe& newest = keyframes.back();
-  if (asked_ == newest.id || !graph_.contains(newest.id)) return std::nullopt;
-  asked_ = newest.id;
+  if (considered_ == newest.id || !graph_.contains(newest.id)) return std::nullopt;
+  considered_ = newest.id;
   const Eigen::Vector3d here = newest.map_from_body.translation();
   const std::int64_t since = tracker_.local_map_utime();
   ClosureRequest request;
@@ -141,15 +145,37 @@ std::optional<ClosureRequest> Mapper::closure_request() {
   request.earlier = nearest_to(here, std::move(request.earlier));
   request.recent = nearest_to(here, std::move(request.recent));
   request.nearest = request.earlier.front().id;
+  if (is_known(newest.id, request.nearest)) return std::nullopt;
+  // Keyframes within a reach see the same surfaces: their closures share their errors, and say little more.
+  if (!pending_ && newest.id < asked_ + kTrail) return std::nullopt;
+  asked_ = newest.id;
   request.graph = graph_;
   request.serial = ++serial_;
   request.keyframe = newest;
   request.pending = pending_;
-  request.usual_covariance = usual_covariance_;
+  request.usual_information = usual_information_;
   request.voxel = tracker_.voxel();
   request.planar = tracker_.planar();
   request.usual = tracker_.usual();
   return request;
+}
+
+/// Whether the two visits lie to each other as they did at the keyframe before, to within the ways from
+/// there.
+bool Mapper::is_known(std::uint32_t keyframe, std::uint32_t nearest) {
+  if (pending_ || !last_revisit_) return false;
+  const std::optional<Constraint> earlier = graph_.way(nearest, last_revisit_->nearest, kFewSteps),
+                                  recent = graph_.way(last_revisit_->keyframe, keyframe, kFewSteps);
+  if (!earlier || !recent) return false;
+  Constraint between;
+  between.from_to = earlier->from_to.inverse() * graph_.nodes().at(nearest).inverse() *
+                    graph_.nodes().at(keyframe) * recent->from_to.inverse();
+  between.information = inverse(last_revisit_->covariance);
+  const Matrix6 covariance = inverse(chained(chained(*earlier, between), *recent).information);
+  if (is_worthwhile(covariance, usual_information_)) return false;
+  last_revisit_ = {keyframe, nearest, covariance};
+  revisits_[keyframe] = *last_revisit_;
+  return true;
 }
 
 void Mapper::give(MapAnswer answer) {
@@ -166,12 +192,14 @@ void Mapper::take_closure(const ClosureAnswer& answer) {
   if (answer.serial != serial_ || !graph_.contains(answer.nearest) || !graph_.contains(answer.keyframe))
     return;
   if (answer.outcome == ClosureOutcome::kPending) pending_ = answer.closure;
-  if (answer.outcome == ClosureOutcome::kKnown || answer.outcome == ClosureOutcome::kAccepted)
-    revisits_[answer.keyframe] = {answer.nearest, answer.covariance};
+  if (answer.outcome == ClosureOutcome::kKnown || answer.outcome == ClosureOutcome::kAccepted) {
+    last_revisit_ = {answer.keyframe, answer.nearest, answer.covariance};
+    revisits_[answer.keyframe] = *last_revisit_;
+  }
   if (answer.outcome != ClosureOutcome::kAccepted) return;
   if (before && graph_.contains(before->from) && graph_.contains(before->to)) graph_.connect(*before);
   graph_.connect(answer.closure);
-  usual_covariance_ = inverse(answer.closure.information);
+  usual_information_ = answer.closure.information;
   ++closures_;
   bend(answer);
 }
@@ -215,8 +243,9 @@ void Mapper::reset() {
   }
   graph_ = {};
   known_ = 0;
-  asked_.reset();
+  considered_ = asked_ = 0;
   pending_.reset();
+  last_revisit_.reset();
   revisits_.clear();
 }
 

@@ -66,12 +66,14 @@ class Mapper {
  private:
   /// How a keyframe lies to one of an earlier visit.
   struct Revisit {
-    std::uint32_t nearest = 0;
+    std::uint32_t keyframe = 0, nearest = 0;
     Matrix6 covariance = Matrix6::Zero();
   };
+  static constexpr double kAnyClosure = 1e12;  ///< before there was one, each is worth its cost
   void follow_archive();
   void renew_places();
   std::optional<ClosureRequest> closure_request();
+  bool is_known(std::uint32_t keyframe, std::uint32_t nearest);
   void take_closure(const ClosureAnswer& answer);
   void bend(const ClosureAnswer& answer);
   Matrix6 seen_from_robot(std::uint32_t keyframe, const Matrix6& covariance) const;
@@ -82,11 +84,12 @@ class Mapper {
   std::uint32_t known_ = 0;  ///< keyframes of smaller ids were added to the graph
   std::int64_t serial_ = 0;
   bool out_ = false;
-  std::optional<std::uint32_t> asked_;          ///< the last keyframe that a closure was asked for
-  std::optional<Constraint> pending_;           ///< of the keyframe before, until another one agrees
-  Matrix6 usual_covariance_ = Matrix6::Zero();  ///< of the last closure
-  std::map<std::uint32_t, Revisit> revisits_;   ///< by keyframe, until it takes the other one's place
-  std::optional<Recovery> correction_;          ///< to be told with the next scan
+  std::uint32_t considered_ = 0, asked_ = 0;  ///< the last keyframes that might have been aligned, and were
+  std::optional<Constraint> pending_;         ///< of the keyframe before, until another one agrees
+  Matrix6 usual_information_ = kAnyClosure * Matrix6::Identity();  ///< of the last closure
+  std::optional<Revisit> last_revisit_;
+  std::map<std::uint32_t, Revisit> revisits_;  ///< by keyframe, until it takes the other one's place
+  std::optional<Recovery> correction_;         ///< to be told with the next scan
   int closures_ = 0;
 };
 

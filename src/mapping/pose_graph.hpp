@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "geometry/linear.hpp"
@@ -64,6 +65,9 @@ class PoseGraph {
   /// The covariance of one pose in the frame of another, right perturbation; huge where nothing connects
   /// them.
   Matrix6 covariance(std::uint32_t from, std::uint32_t to) const;
+  /// A way of at most so many constraints from one node to another, chained: what it leaves open is more than
+  /// what the graph does, and costs no solution of it. None where there is no such way.
+  std::optional<Constraint> way(std::uint32_t from, std::uint32_t to, int most) const;
   /// Welsch's weight of a constraint at the last scale (0 to 1); 1 of odometry.
   double weight(const Constraint& constraint) const;
 

@@ -69,6 +69,7 @@ ClosureRequest two_visits(const Pose& off, double metres, double radians) {
   request.nearest = 6;
   request.voxel = 0.15;
   request.usual.sigma = 0.03;
+  request.usual_information = inverse(covariance(1e-6, 1e-6));
   return request;
 }
 
@@ -119,8 +120,16 @@ TEST_CASE("no loop is closed farther off than odometry can be, nor where somethi
 
 TEST_CASE("what is known already is not aligned again") {
   ClosureRequest request = two_visits(Pose::Identity(), 0.01, 0.001);
-  request.usual_covariance = covariance(0.02, 0.004);
+  request.usual_information = inverse(covariance(0.02, 0.004));
   CHECK(close_loop(request, {}).outcome == ClosureOutcome::kKnown);
+  // Along a corridor a closure tells nothing, so that it is not worth its cost for that.
+  Matrix6 corridor = inverse(covariance(0.02, 0.004));
+  corridor(0, 0) = 0;
+  Matrix6 unknown_along = covariance(0.01, 0.001);
+  unknown_along(0, 0) = 1e6;
+  CHECK_FALSE(is_worthwhile(unknown_along, corridor));
+  unknown_along(1, 1) = 0.1;
+  CHECK(is_worthwhile(unknown_along, corridor));
   request.pending = Constraint();  // two in a row are asked for
   CHECK(close_loop(request, {}).outcome != ClosureOutcome::kKnown);
 }

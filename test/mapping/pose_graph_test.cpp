@@ -211,6 +211,31 @@ TEST_CASE("a covariance is that of the dense inverse, and a loop brings it down"
   CHECK(graph.covariance(0, 77).diagonal().minCoeff() > 1e6);
 }
 
+TEST_CASE("a way through the graph chains its constraints, and is as long as is allowed") {
+  Random random(8);
+  const std::vector<Pose> truth = ring(10);
+  PoseGraph graph;
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    graph.add(i, truth[i]);
+    if (i == 0) continue;
+    Constraint c = measured(i - 1, i, truth);
+    c.information = 1e4 * random.information();
+    graph.connect(c);
+  }
+  Constraint closure = measured(0, 9, truth);
+  closure.loop_closure = true;
+  graph.connect(closure);
+  for (const auto& [from, to] : {std::pair(2u, 6u), std::pair(6u, 2u)}) {
+    const std::optional<Constraint> way = graph.way(from, to, 4);
+    REQUIRE(way);
+    CHECK(near(way->from_to, truth[from].inverse() * truth[to], 1e-9, 1e-9));
+    CHECK(inverse(way->information).trace() > 0.999 * graph.covariance(from, to).trace());
+  }
+  CHECK_FALSE(graph.way(2, 6, 3));
+  CHECK_FALSE(graph.way(0, 9, 4));
+  CHECK(inverse(graph.way(3, 3, 4)->information).trace() < 1e-9);
+}
+
 TEST_CASE("a node that is taken away leaves what was measured through it") {
   Random random(5);
   std::vector<Pose> truth = ring(12);
