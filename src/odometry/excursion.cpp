@@ -15,7 +15,7 @@ constexpr double kShort = 0.3;  // seconds: over longer ones the velocity may we
 
 Excursion::Excursion(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& predicted)
-    : config_(config), odometer_(config) {
+    : config_(config), odometer_(config), seen_(static_cast<std::size_t>(config.max_archive_points)) {
   odometer_.start(utime, scan, predicted);
 }
 
@@ -44,6 +44,7 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
     return false;
   }
   odometer_.keep(utime, scan, attempt.health.share);
+  remember(utime, scan);
   attempt_ = std::move(attempt);
   ++scans_;
   return true;
@@ -51,10 +52,23 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
 
 void Excursion::begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted) {
   odometer_.start(utime, scan, predicted);
+  seen_.clear();
   bend_.setZero();
   up_sum_.setZero();
   blind_s_ = followed_s_ = 0;
   scans_ = 1;
+}
+
+void Excursion::remember(std::int64_t utime, const PreparedScan& scan) {
+  const Pose& here = odometer_.state().pose;
+  if (!seen_.wants(utime, here.translation(), scan.median_range)) return;
+  const Matrix6 covariance = odometer_.take_new_drift();
+  std::optional<OdometryTie> tie;
+  if (!seen_.empty()) {
+    const ArchivedKeyframe& before = seen_.keyframes().back();
+    tie = {before.id, before.map_from_body.inverse() * here, covariance};
+  }
+  seen_.add(utime, here, scan.median_range, deskewed(scan.source, odometer_.state().twist), tie);
 }
 
 /// Scans that a wrong velocity bends all alike fit each other, so that nothing else tells: but the way from

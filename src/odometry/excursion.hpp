@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "odometry/keyframe_archive.hpp"
 #include "odometry/odometer.hpp"
 
 namespace scanlock {
@@ -30,6 +31,8 @@ class Excursion {
   const MovingPose& state() const { return odometer_.state(); }
   const Matrix12& covariance() const { return odometer_.covariance(); }
   const Odometer& odometer() const { return odometer_; }
+  /// The places that it has been to since it began, in the predicted map frame.
+  const KeyframeArchive& seen() const { return seen_; }
   bool planar() const { return odometer_.planar(); }
   /// Scans since it began.
   int scans() const { return scans_; }
@@ -48,8 +51,11 @@ class Excursion {
   void begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted);
   bool is_bent(const Vector6& velocity, const Vector6& way);
 
+  void remember(std::int64_t utime, const PreparedScan& scan);
+
   TrackerConfig config_;
   Odometer odometer_;
+  KeyframeArchive seen_;
   int scans_ = 1;
   Vector6 bend_ = Vector6::Zero();  ///< velocity, less what the way from scan to scan says; a mean
   Eigen::Vector3d up_sum_ = Eigen::Vector3d::Zero();

@@ -261,6 +261,28 @@ struct Tracker::State {
     return OdometryTie{before->id, before->map_from_body.inverse() * here, covariance};
   }
 
+  /// What was seen while the robot was lost becomes part of the map, where it shows new ground. It lies to
+  /// the map as the pose does that was found, and as well as the way from there is known.
+  void join(const Excursion& excursion, const Pose& map_from_predicted, double reach) {
+    constexpr double kNewGround = 1.0 / 3.0;  // of the reach, to anything archived
+    if (archive.empty()) return;
+    const KeyframeArchive known = archive;
+    const Matrix6 covariance = excursion.odometer().drift() + excursion.odometer().pose_covariance();
+    std::uint32_t seen_before = 0, added_before = 0;  // ids; 0: none
+    for (const ArchivedKeyframe& k : excursion.seen().keyframes()) {
+      const Pose here = renormalised(map_from_predicted * k.map_from_body);
+      const ArchivedKeyframe& near = known.nearest(here.translation());
+      if ((near.map_from_body.translation() - here.translation()).norm() < kNewGround * reach) continue;
+      const Matrix6 back = adjoint(k.map_from_body.inverse() * excursion.state().pose);
+      OdometryTie tie{near.id, near.map_from_body.inverse() * here, back * covariance * back.transpose()};
+      if (k.tie && added_before > 0 && k.tie->before == seen_before)
+        tie = {added_before, k.tie->before_from_here, k.tie->covariance};
+      archive.add(k.utime, here, static_cast<double>(k.reach), *k.points, tie);
+      seen_before = k.id;
+      added_before = archive.keyframes().back().id;
+    }
+  }
+
   /// Poses in the map went from one to another without any motion.
   void jump(const Pose& from, const Pose& to) {
     local_from_own = renormalised(local_from_own * from * to.inverse());
@@ -304,6 +326,8 @@ struct Tracker::State {
     // ground that is more than before.
     if (!explains(attempt, kCalmScore)) odometer.forget_usual();
     const Pose predicted = relocation.excursion().state().pose;
+    join(relocation.excursion(), renormalised(attempt.alignment.moving.pose * predicted.inverse()),
+         scan.median_range);
     jumped = true;
     believe(scan, attempt);
     jump(predicted, odometer.state().pose);

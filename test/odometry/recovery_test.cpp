@@ -83,6 +83,32 @@ TEST_CASE("a kidnapped robot comes back with a certificate and in the same frame
   CHECK(back <= drive.kidnap + 20);
 }
 
+TEST_CASE("what was seen while the robot was lost is part of the map once it is back") {
+  const Frame frame = each_frame();
+  const Drive drive{60, at(7, 4, 170 * kDegree)};
+  FramedTracker tracker(TrackerConfig{}, frame);
+  PlaceFinder finder;
+  bool back = false;
+  int i = 0;
+  for (; i < 100 && !back; ++i) {
+    const TrackedScan tracked = tracker.track(drive.scan(i));
+    back = tracked.recovery && tracked.recovery->accepted;
+    const auto request = i < 80 ? std::nullopt : tracker.take_request();  // it drives 2 m before it is found
+    if (request) tracker.give(finder.find(*request));
+  }
+  REQUIRE(back);
+  int joined = 0;
+  const SavedMap saved = tracker.save();
+  for (const ArchivedKeyframe& k : saved.keyframes) {
+    const int seen = static_cast<int>((k.utime - frame.later - utime(0)) / 100000);
+    if (seen < drive.kidnap || seen + 1 >= i) continue;
+    ++joined;
+    const Pose found = frame.there_from_here.inverse() * k.map_from_body;
+    CHECK(error(drive.pose(0).inverse() * drive.pose(seen), found) < 0.1);
+  }
+  CHECK(joined >= 2);
+}
+
 TEST_CASE("a sensor of few points recognises its place as soon") {
   const Frame frame = each_frame();
   for (const int rays : {300, 600}) {
