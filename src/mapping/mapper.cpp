@@ -103,7 +103,8 @@ void Mapper::renew_places() {
     const ArchivedKeyframe* old = tracker_.archive().find(revisit.nearest);
     if (!newer || !old || !graph_.contains(id) || !graph_.contains(old->id)) continue;
     const double apart = (newer->map_from_body.translation() - old->map_from_body.translation()).norm();
-    if (apart > kSameSpot * static_cast<double>(newer->reach)) continue;
+    const double unsure = 3 * std::sqrt(revisit.covariance.diagonal().head<3>().maxCoeff());
+    if (std::max(apart, unsure) > kSameSpot * static_cast<double>(newer->reach)) continue;
     if (history_) history_->renew(old->id, id, graph_.nodes().at(old->id).inverse() * graph_.nodes().at(id));
     graph_.renew(old->id, id, revisit.covariance);
     tracker_.renew(old->id, id);
@@ -172,10 +173,13 @@ bool Mapper::is_known(std::uint32_t keyframe, std::uint32_t nearest) {
                     graph_.nodes().at(keyframe) * recent->from_to.inverse();
   between.information = inverse(last_revisit_->covariance);
   const Matrix6 covariance = inverse(chained(chained(*earlier, between), *recent).information);
-  if (is_worthwhile(covariance, usual_information_)) return false;
-  last_revisit_ = {keyframe, nearest, covariance};
-  revisits_[keyframe] = *last_revisit_;
-  return true;
+  note_revisit({keyframe, nearest, covariance});
+  return !is_worthwhile(covariance, usual_information_);
+}
+
+void Mapper::note_revisit(const Revisit& revisit) {
+  last_revisit_ = revisit;
+  revisits_[revisit.keyframe] = revisit;
 }
 
 void Mapper::give(MapAnswer answer) {
@@ -193,8 +197,8 @@ void Mapper::take_closure(const ClosureAnswer& answer) {
     return;
   if (answer.outcome == ClosureOutcome::kPending) pending_ = answer.closure;
   if (answer.outcome == ClosureOutcome::kKnown || answer.outcome == ClosureOutcome::kAccepted) {
-    last_revisit_ = {answer.keyframe, answer.nearest, answer.covariance};
-    revisits_[answer.keyframe] = *last_revisit_;
+    if (before) note_revisit({before->to, before->from, answer.covariance});
+    note_revisit({answer.keyframe, answer.nearest, answer.covariance});
   }
   if (answer.outcome != ClosureOutcome::kAccepted) return;
   if (before && graph_.contains(before->from) && graph_.contains(before->to)) graph_.connect(*before);

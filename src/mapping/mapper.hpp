@@ -74,6 +74,7 @@ class Mapper {
   void renew_places();
   std::optional<ClosureRequest> closure_request();
   bool is_known(std::uint32_t keyframe, std::uint32_t nearest);
+  void note_revisit(const Revisit& revisit);
   void take_closure(const ClosureAnswer& answer);
   void bend(const ClosureAnswer& answer);
   Matrix6 seen_from_robot(std::uint32_t keyframe, const Matrix6& covariance) const;

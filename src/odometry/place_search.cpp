@@ -52,7 +52,7 @@ void PlaceSearch::begin_anew() {
 std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excursion& excursion,
                                                  const KeyframeArchive& archive,
                                                  const std::optional<Eigen::Vector3d>& up) {
-  if (out_ || archive.empty() || excursion.scans() < scans_wanted_) return std::nullopt;
+  if (!has_credit(utime) || out_ || archive.empty() || excursion.scans() < scans_wanted_) return std::nullopt;
   const std::vector<Eigen::Vector3d> others = other_centres(archive);
   round_ = 2 * (1 + static_cast<int>(others.size()));
   const int turn = turn_ % round_;
@@ -86,8 +86,17 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
   return request;
 }
 
-bool PlaceSearch::take(std::int64_t serial, bool found) {
+/// What was not used is kept for a window of time.
+bool PlaceSearch::has_credit(std::int64_t utime) {
+  const double elapsed = 1e-6 * static_cast<double>(utime - credited_utime_);
+  credited_utime_ = utime;
+  credit_s_ = std::min(credit_s_ + cores_ * std::clamp(elapsed, 0.0, kWindow), cores_ * kWindow);
+  return credit_s_ > 0;
+}
+
+bool PlaceSearch::take(std::int64_t serial, bool found, double cost_s) {
   if (!out_ || serial != serial_) return false;
+  credit_s_ -= cost_s;
   out_ = false;
   if (void_) return false;
   const bool again = rough_ && !careful_ && !found;  // with care

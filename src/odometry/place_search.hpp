@@ -16,6 +16,9 @@ namespace scanlock {
 /// and on with ever longer pauses.
 class PlaceSearch {
  public:
+  /// `cores`: of the CPU, what searches may take in the mean of ten seconds.
+  explicit PlaceSearch(double cores) : cores_(cores), credit_s_(kWindow * cores) {}
+
   /// The robot was lost at `anchor` (map frame).
   void begin(const Eigen::Vector3d& anchor);
   /// What it has seen so far is void: the next request waits for more, and the answer to an earlier one is
@@ -27,14 +30,19 @@ class PlaceSearch {
   std::optional<RecoveryRequest> next(std::int64_t utime, const Excursion& excursion,
                                       const KeyframeArchive& archive,
                                       const std::optional<Eigen::Vector3d>& up);
-  /// The answer to a request came in; false when it is too late. Where there is something the next look, of
-  /// another scale, is at the same part of the map, and soon.
-  bool take(std::int64_t serial, bool found);
+  /// The answer to a request came in, and cost so many seconds; false when it is too late. Where there is
+  /// something the next look, of another scale, is at the same part of the map, and soon.
+  bool take(std::int64_t serial, bool found, double cost_s);
   bool looked_everywhere() const { return turn_ >= 2 && turn_ >= round_; }
 
  private:
   std::vector<Eigen::Vector3d> other_centres(const KeyframeArchive& archive) const;
 
+  bool has_credit(std::int64_t utime);
+
+  static constexpr double kWindow = 10;  ///< seconds
+  double cores_, credit_s_;              ///< the latter of CPU; below 0 no search begins
+  std::int64_t credited_utime_ = 0;      ///< up to when
   Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
   std::int64_t serial_ = 0;
   bool out_ = false, void_ = false;

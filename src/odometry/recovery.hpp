@@ -72,6 +72,9 @@ struct RecoveryAnswer {
   std::string reason;
   std::int64_t nodes = 0;
   double search_ms = 0, total_ms = 0;  ///< CPU
+  /// Seconds of CPU that it takes about, by the points described and the matches looked at: the same on every
+  /// machine.
+  double cost_s = 0;
 };
 
 /// Searches places by certified 4DOF registration. Deterministic: the budget counts nodes, not seconds.

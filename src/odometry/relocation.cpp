@@ -182,9 +182,10 @@ std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, cons
 
 void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
                       Odometer& odometer) {
-  if (!search_.take(answer.serial, answer.verdict == PlaceVerdict::kFound) || !lost_ || !excursion_) return;
-  nothing_found_ = answer.verdict != PlaceVerdict::kFound;
-  if (answer.verdict != PlaceVerdict::kFound) {
+  const bool found = answer.verdict == PlaceVerdict::kFound;
+  if (!search_.take(answer.serial, found, answer.cost_s) || !lost_ || !excursion_) return;
+  nothing_found_ = !found;
+  if (!found) {
     if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
     ended_ = recovery_of(answer);
     return;

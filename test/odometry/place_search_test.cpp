@@ -18,14 +18,14 @@ struct Asked {
 };
 
 /// What a robot at rest asks for in so many scans, when every search finds something, or none does.
-Asked ask(unsigned scans, bool found) {
+Asked ask(unsigned scans, bool found, double cost_s = 0) {
   const TrackerConfig config;
   PreparedHall hall(config);
   Excursion excursion(config, 0, hall.scan(0), {});
   const PreparedScan same = hall.scan(1);
   KeyframeArchive archive(10000000);
   archive.restore({archived(Pose::Identity(), hall_map())});
-  PlaceSearch search;
+  PlaceSearch search(0.1);
   search.begin(Eigen::Vector3d::Zero());
   search.begin_anew();
   Asked asked;
@@ -36,7 +36,7 @@ Asked ask(unsigned scans, bool found) {
     if (!request) continue;
     if (++asked.requests > 1) asked.longest_pause = std::max(asked.longest_pause, static_cast<int>(i - last));
     last = i;
-    REQUIRE(search.take(request->serial, found));
+    REQUIRE(search.take(request->serial, found, cost_s));
   }
   return asked;
 }
@@ -51,5 +51,14 @@ TEST_CASE("who finds nothing, or nothing that convinces, asks ever more seldom b
     CHECK(later.requests < (found ? 80 : 20));
     CHECK(later.longest_pause > at_first.longest_pause);
     CHECK(later.longest_pause <= 30);
+  }
+}
+
+TEST_CASE("searches take a tenth of a core in the mean, and more at once only while they have saved it") {
+  for (const double cost_s : {0.1, 0.5, 3.0}) {
+    CAPTURE(cost_s);
+    const double spent = cost_s * ask(600, true, cost_s).requests;  // a minute
+    CHECK(spent < 0.1 * 60 + 1 + cost_s);
+    CHECK(spent > 0.1 * 60 - cost_s);
   }
 }
