@@ -16,7 +16,7 @@ namespace scanlock {
 /// and on with ever longer pauses.
 class PlaceSearch {
  public:
-  /// `cores`: of the CPU, what searches may take in the mean of ten seconds.
+  /// `cores`: of the CPU, what searches may take in the mean of half a minute.
   explicit PlaceSearch(double cores) : cores_(cores), credit_s_(kWindow * cores) {}
 
   /// The robot was lost at `anchor` (map frame).
@@ -40,7 +40,7 @@ class PlaceSearch {
 
   bool has_credit(std::int64_t utime);
 
-  static constexpr double kWindow = 10;  ///< seconds
+  static constexpr double kWindow = 30;  ///< seconds
   double cores_, credit_s_;              ///< the latter of CPU; below 0 no search begins
   std::int64_t credited_utime_ = 0;      ///< up to when
   Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
