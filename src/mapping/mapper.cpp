@@ -94,8 +94,10 @@ void Mapper::follow_archive() {
   renew_places();
 }
 
-/// Keyframes that lie a reach behind the robot take the place of those of an earlier visit.
+/// Keyframes that lie a reach behind the robot take the place of those of an earlier visit. Not while a
+/// closure is worked on: its answer has poses of the nodes as they are.
 void Mapper::renew_places() {
+  if (out_) return;
   while (!revisits_.empty() && revisits_.begin()->first + kTrail <= known_) {
     const auto [id, revisit] = *revisits_.begin();
     revisits_.erase(revisits_.begin());
@@ -246,6 +248,7 @@ void Mapper::reset() {
     for (const auto& [id, pose] : graph_.nodes()) history_->remove(id, pose);
   }
   graph_ = {};
+  ++serial_;  // an answer to come is of the map that is gone
   known_ = 0;
   considered_ = asked_ = 0;
   pending_.reset();

@@ -5,6 +5,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "../odometry/room.hpp"
 
@@ -46,8 +48,15 @@ void expect_same(const PoseGraph& graph, const std::vector<ArchivedKeyframe>& ke
 }  // namespace
 
 TEST_CASE("round after round the map is one, and its poses are as certain as after the first") {
+  int delay = 0;  // scans from a request to its answer
+  SUBCASE("answered at once") {}
+  SUBCASE("answered later") {
+    delay = 25;
+  }
   Mapper mapper(forgetful());
   MapWorker worker(forgetful());
+  std::optional<MapAnswer> answer;
+  int due = 0;
   double once = 0, worst = 0;
   TrackedScan tracked;
   for (int i = 0; i < 900; ++i) {
@@ -59,8 +68,10 @@ TEST_CASE("round after round the map is one, and its poses are as certain as aft
             : 0.0);
     if (auto request = mapper.take_request()) {
       CHECK_FALSE(mapper.take_request());  // one is out at a time
-      mapper.give(worker.work(*request));
+      answer = worker.work(*request);
+      due = i + delay;
     }
+    if (answer && i >= due) mapper.give(*std::exchange(answer, std::nullopt));
     if (i == 100) once = tracked.covariance.topLeftCorner<3, 3>().trace();
   }
   CHECK(tracked.state == TrackingState::kTracking);
@@ -70,6 +81,28 @@ TEST_CASE("round after round the map is one, and its poses are as certain as aft
   CHECK(tracked.covariance.topLeftCorner<3, 3>().trace() < 4 * once);
   CHECK(near(tracked.map_from_body, tracked.local_from_body, 0.05, 0.01));
   expect_same(mapper.graph(), mapper.save().keyframes);
+}
+
+TEST_CASE("a closure that was asked for before a reset changes nothing after it") {
+  Mapper mapper(forgetful());
+  MapWorker worker(forgetful());
+  std::optional<MapRequest> request;
+  for (int i = 0; i < 900 && !request; ++i) {
+    mapper.track(seen(i));
+    request = mapper.take_request();
+  }
+  REQUIRE(request);
+  ClosureAnswer accepted = std::get<ClosureAnswer>(worker.work(*request));
+  mapper.reset();
+  for (int i = 0; i < 30; ++i) mapper.track(seen(i));
+  accepted.outcome = ClosureOutcome::kAccepted;  // as it might have been
+  accepted.nearest = 1;
+  accepted.keyframe = 2;
+  REQUIRE(mapper.graph().contains(2));
+  const std::size_t constraints = mapper.graph().constraints().size();
+  mapper.give(accepted);
+  CHECK(mapper.graph().constraints().size() == constraints);
+  CHECK(mapper.track(seen(30)).loop_closures == 0);
 }
 
 TEST_CASE("a map that was saved is one graph again, and a reset leaves none") {
