@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <signal.h>
 
+#include <cmath>
 #include <filesystem>
 #include <scanlock/command_t.hpp>
 
@@ -77,6 +78,44 @@ TEST_CASE("commands over LCM are done and counted and bad ones explained") {
   CHECK(listener.until([&] { return listener.status.commands_rejected == 3; }));
   CHECK(contains(listener.status.last_error, "SCANLOCK_COMMAND"));
   CHECK(listener.status.commands == 3);
+  daemon.send(SIGTERM);
+  CHECK(daemon.wait(seconds(2)) == 0);
+}
+
+TEST_CASE("scanlock-command tells what became of a command") {
+  const TemporaryFolder folder;
+  const auto says = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> command{"scanlock-command"};
+    command.insert(command.end(), words.begin(), words.end());
+    return run(folder, command);
+  };
+  CHECK(says({"walk"}).code == 2);
+  CHECK(says({"save"}).code == 2);
+  CHECK(says({"set-pose", "1", "2", "x", "0"}).code == 2);
+  CHECK(says({}).code == 2);
+  const Network network;
+  if (!network.lack().empty()) {
+    MESSAGE("skipped: " << network.lack());
+    return;
+  }
+  const Result alone = says({"-l", network.url(), "--timeout", "0.5", "reset"});
+  CHECK(alone.code == 1);
+  CHECK(contains(alone.errors, "no status of a daemon on SCANLOCK_STATUS"));
+
+  Listener listener(network.url());
+  Process daemon(folder, {"scanlockd", "-l", network.url()});
+  REQUIRE(listener.until_ready());
+  CHECK(says({"-l", network.url(), "set-pose", "-3.5", "2", "0", "90"}).code == 0);
+  drive_along(listener, 0, 4);
+  CHECK(listener.odometry.front().pos[0] == doctest::Approx(-3.5).epsilon(0.05));
+  CHECK(listener.odometry.front().quat[3] == doctest::Approx(std::sqrt(0.5)).epsilon(0.05));
+  CHECK(says({"-l", network.url(), "save", folder / "street.map"}).code == 0);
+  CHECK(std::filesystem::exists(folder / "street.map"));
+  CHECK(says({"-l", network.url(), "load", folder / "street.map"}).code == 0);
+  const Result missing = says({"-l", network.url(), "load", folder / "none.map"});
+  CHECK(missing.code == 1);
+  CHECK(contains(missing.errors, "none.map"));
+  CHECK(says({"-l", network.url(), "reset"}).code == 0);
   daemon.send(SIGTERM);
   CHECK(daemon.wait(seconds(2)) == 0);
 }

@@ -32,8 +32,9 @@ std::string joined(const Command& command) {
   return text;
 }
 
-const char* const kPrograms[] = {"scanlock-align",    "scanlock-convert",  "scanlock-evaluate",
-                                 "scanlock-simulate", "scanlock-odometry", "scanlockd"};
+const char* const kPrograms[] = {"scanlock-align",    "scanlock-command",  "scanlock-convert",
+                                 "scanlock-evaluate", "scanlock-simulate", "scanlock-odometry",
+                                 "scanlockd"};
 
 }  // namespace
 

@@ -1,0 +1,151 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+// Sends a command to a running daemon, and waits for the status that tells what became of it.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <lcm/lcm-cpp.hpp>
+#include <optional>
+#include <scanlock/command_t.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "command_line.hpp"
+#include "daemon/lcm_url.hpp"
+#include "geometry/angles.hpp"
+#include "geometry/rigid.hpp"
+#include "messages/decode_report.hpp"
+
+namespace {
+
+using namespace scanlock;
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::string url, channel = DaemonConfig().command_channel, status_channel = DaemonConfig().status_channel;
+  std::vector<std::string> words;
+  double timeout_s = 30;
+};
+
+constexpr const char* kFooter = R"(Commands:
+  save FILE                   the daemon writes its map there
+  load FILE                   it forgets its map, and looks for its place in that one
+  reset                       it forgets its map; the next scan is the first of a new one
+  set-pose X Y Z YAW_DEG      the body stands there in the map: metres and degrees
+
+Files are those of the machine that the daemon runs on. Exit 0: done; 1: rejected, with the daemon's reason, or no answer.
+
+  scanlock-command save yard.map
+  scanlock-command -l 'udpm://239.255.76.67:7667?ttl=1' set-pose 12.5 -3 0 90)";
+
+double number(const std::string& word) {
+  double value = 0;
+  if (!CLI::detail::lexical_cast(word, value) || !std::isfinite(value))
+    throw UsageError(word + ": not a number");
+  return value;
+}
+
+command_t command_of(const std::vector<std::string>& words) {
+  command_t command{};
+  command.utime = std::chrono::duration_cast<std::chrono::microseconds>(
+                      std::chrono::system_clock::now().time_since_epoch())
+                      .count();
+  const std::string& kind = words.front();
+  const std::size_t arguments = words.size() - 1;
+  const auto expect = [&](std::size_t count, const char* what) {
+    if (arguments != count) throw UsageError(kind + " takes " + what);
+  };
+  if (kind == "save" || kind == "load") {
+    expect(1, "a file");
+    command.command = kind == "save" ? command_t::SAVE_MAP : command_t::LOAD_MAP;
+    command.path = std::filesystem::absolute(words[1]).string();  // the daemon may run in another folder
+  } else if (kind == "reset") {
+    expect(0, "no argument");
+    command.command = command_t::RESET;
+  } else if (kind == "set-pose") {
+    expect(4, "X Y Z in metres and YAW_DEG");
+    command.command = command_t::SET_POSE;
+    for (std::size_t i = 0; i < 3; ++i) command.pos[i] = number(words[i + 1]);
+    const Eigen::Quaterniond turn(rotation_about_z(number(words[4]) * kDegree));
+    command.quat[0] = turn.w();
+    command.quat[3] = turn.z();
+  } else {
+    throw UsageError(kind + ": unknown command");
+  }
+  return command;
+}
+
+/// The daemon's last status.
+class StatusListener {
+ public:
+  StatusListener(lcm::LCM& lcm, const std::string& channel) : lcm_(lcm) {
+    lcm.subscribe(literal_pattern(channel), &StatusListener::take, this);
+  }
+
+  /// The next one, or nothing until then.
+  std::optional<StatusReport> next(Clock::time_point until) {
+    last_.reset();
+    while (!last_ && Clock::now() < until) {
+      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
+      if (lcm_.handleTimeout(static_cast<int>(std::clamp<std::int64_t>(left, 1, 1000))) < 0)
+        throw std::runtime_error("LCM failed while it waited for a status");
+    }
+    return last_;
+  }
+
+ private:
+  void take(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    auto decoded = decode_status(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
+    if (decoded.ok()) last_ = std::move(decoded.value);
+  }
+
+  lcm::LCM& lcm_;
+  std::optional<StatusReport> last_;
+};
+
+int run(const Options& options) {
+  const command_t command = command_of(options.words);
+  DaemonConfig config;
+  config.url = options.url;
+  const std::string url = input_url(config);
+  if (is_log_url(url)) throw std::runtime_error(url + ": a log takes no commands");
+  check_url(url);
+  lcm::LCM lcm(url);
+  if (!lcm.good()) throw std::runtime_error(url + ": cannot be opened; see scanlockd --check");
+  StatusListener listener(lcm, options.status_channel);
+  const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                        std::chrono::duration<double>(options.timeout_s));
+  const std::optional<StatusReport> before = listener.next(until);
+  if (!before) throw std::runtime_error("no status of a daemon on " + options.status_channel + " at " + url);
+  if (lcm.publish(options.channel, &command) != 0)
+    throw std::runtime_error(url + ": the command cannot be sent");
+  while (const std::optional<StatusReport> now = listener.next(until)) {
+    if (now->commands > before->commands) return 0;
+    if (now->commands_rejected > before->commands_rejected) throw std::runtime_error(now->last_error);
+  }
+  throw std::runtime_error("the daemon has not told what became of the command");
+}
+
+void declare(CLI::App& app, Options& options) {
+  app.footer(kFooter);
+  app.add_option("COMMAND", options.words, "save, load, reset or set-pose, and its arguments")->required();
+  app.add_option("-l,--lcm-url", options.url,
+                 "LCM URL (default: LCM_DEFAULT_URL, else this host's multicast)");
+  app.add_option("--channel", options.channel, "of the commands (default: SCANLOCK_COMMAND)")
+      ->check(channel_name());
+  app.add_option("--status-channel", options.status_channel, "of the status (default: SCANLOCK_STATUS)")
+      ->check(channel_name());
+  app.add_option("--timeout", options.timeout_s, "seconds to wait for what became of it (default: 30)")
+      ->check(number_from_zero(false));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return run_program<Options>("scanlock-command", "Sends a command to a running scanlockd.", argc, argv,
+                              declare, run);
+}
