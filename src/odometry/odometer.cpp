@@ -23,7 +23,9 @@ constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is bette
 constexpr double kFirstSigma = 0.03;
 constexpr double kNearFirst = 3,
                  kFarFirst = 6;  // times the reach: from farther off all is pulled to where most is
-constexpr int kFarIterations = 36;
+/// A cap on cost. One that ends before it has converged stays near the prediction, which then goes on by
+/// itself: in a wood a robot at rest was taken for one that turned ever faster.
+constexpr int kMostIterations = 36;
 
 /// Radians: a planar robot turns on the spot, by more between two scans than ICP can follow.
 constexpr double kTurns[] = {-0.2, 0.2, -0.4, 0.4, -0.6, 0.6, -0.8, 0.8};
@@ -142,7 +144,7 @@ ScanAlignmentOptions Odometer::options(const PreparedScan& scan, const MotionPri
   result.nu_first =
       std::min(displacement(prior, scan.median_range), (far ? kFarFirst : kNearFirst) * reach_m);
   result.nu_max = (far ? 20.0 : 8.0) * reach_m;
-  if (far) result.max_iterations = kFarIterations;
+  result.max_iterations = kMostIterations;
   result.gate_margin = (far ? 3.0 : 1.5) * reach_m;
   result.sigma = sigma_ * std::sqrt(inflation());
   result.threads = config_.threads;

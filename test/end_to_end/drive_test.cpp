@@ -19,12 +19,12 @@ struct Step {
   double metres_off() const { return (tracked.map_from_body.translation() - truth.translation()).norm(); }
 };
 
-/// A drive through rooms with a vlp16; searches are answered at once.
+/// A drive with a vlp16, through rooms unless another world is named; searches are answered at once.
 /// From 14 s on stamps are `clock_step` microseconds off.
 std::vector<Step> drive(double seconds, std::uint64_t seed, const std::vector<const char*>& events,
-                        std::int64_t clock_step = 0) {
+                        std::int64_t clock_step = 0, WorldKind world = WorldKind::kIndoor) {
   SimulationConfig config;
-  config.world = WorldKind::kIndoor;
+  config.world = world;
   config.seconds = seconds;
   config.seed = seed;
   for (const char* event : events) config.events.push_back(parse_event(event));
@@ -89,6 +89,12 @@ TEST_SUITE("long drives") {
         CHECK(steps[i].metres_off() < 0.3);
       }
     }
+  }
+
+  TEST_CASE("a robot that stops in a wood is not taken for one that turns") {
+    const std::vector<Step> steps = drive(72, 7001, {}, 0, WorldKind::kForest);  // it stands from 64 s on
+    for (std::size_t i = 1; i < steps.size(); ++i) CHECK(steps[i].tracked.state == TrackingState::kTracking);
+    CHECK(steps.back().metres_off() < 0.4);
   }
 
   TEST_CASE("lap after lap of a corridor the map is the same and no larger, and it is the true one") {
