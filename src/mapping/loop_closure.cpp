@@ -7,12 +7,12 @@
 #include <limits>
 #include <utility>
 
+#include "geometry/angles.hpp"
+
 namespace scanlock {
 namespace {
 
-constexpr double kLeastShare = 0.8;  // of the inlier ratio in the recent map
 constexpr double kStill = 1e8;     // information of a velocity of 0: archived points were seen at one instant
-constexpr double kFloor = 1e-3;    // metres and radians: no pose is predicted better
 constexpr double kNothing = 1e-6;  // information along what no surface holds: it stays invertible
 constexpr double kWorthwhile = 2.0;  // times the variance that a closure leaves
 
@@ -27,7 +27,7 @@ PreparedScan prepared(const ClosureRequest& request) {
 }
 
 Matrix6 with_floor(const Matrix6& covariance) {
-  return covariance + kFloor * kFloor * Matrix6::Identity();
+  return covariance + kPoseFloor * kPoseFloor * Matrix6::Identity();
 }
 
 Attempt align(const ClosureRequest& request, const std::vector<ArchivedKeyframe>& map,
@@ -53,14 +53,14 @@ std::optional<Constraint> find_closure(const ClosureRequest& request, const Matr
   const Vector6 moved = se3_log(request.keyframe.map_from_body.inverse() * found);
   const double gap = moved.dot(inverse(with_floor(covariance)) * moved);
   char text[160];
-  std::snprintf(text, sizeof text,
-                "inlier ratio %.2f of %.2f, moved by %.3f m and %.2f deg, squared gap %.1f",
-                there.health.share, here.health.share, moved.head<3>().norm(),
-                57.29577951308232 * moved.tail<3>().norm(), gap);
+  std::snprintf(
+      text, sizeof text, "inlier ratio %.2f of %.2f, moved by %.3f m and %.2f deg, squared gap %.1f",
+      there.health.share, here.health.share, moved.head<3>().norm(), moved.tail<3>().norm() / kDegree, gap);
   *reason = text;
   const double any_score = std::numeric_limits<double>::infinity();  // the recent map says what is usual
-  const bool explained = explains(there, any_score) && there.health.share >= kLeastShare * here.health.share;
-  if (!explained || !(gap < kOnceInThousand)) return std::nullopt;
+  Health health = there.health;
+  health.usual_share = here.health.share;
+  if (!explains(there, any_score) || !usual_share(health) || !(gap < kOnceInThousand)) return std::nullopt;
   Constraint closure;
   closure.from = request.nearest;
   closure.to = request.keyframe.id;
@@ -72,7 +72,7 @@ std::optional<Constraint> find_closure(const ClosureRequest& request, const Matr
     for (const int axis : {2, 3, 4}) {  // z, roll, pitch: it does not leave its plane
       closure.information.row(axis).setZero();
       closure.information.col(axis).setZero();
-      closure.information(axis, axis) = 1 / (kFloor * kFloor);
+      closure.information(axis, axis) = 1 / (kPoseFloor * kPoseFloor);
     }
   }
   closure.loop_closure = true;

@@ -13,12 +13,10 @@
 namespace scanlock {
 namespace {
 
-constexpr double kFloor = 1e-3;          // metres and radians: no pose is known better
 constexpr std::size_t kMostAround = 20;  // keyframes that make one side of a closure: a cap on its cost
-constexpr std::uint32_t kTrail = 6;      // keyframes of one reach of way
-constexpr int kFewSteps = 4;             // constraints of a way
-constexpr double kSameSpot = 1.0 / 3.0;  // of the reach
-constexpr double kJumpMetres = 0.05, kJumpRadians = 0.5 * kDegree;  // more is told as a new epoch
+constexpr auto kTrail = static_cast<std::uint32_t>(1 / kPlaceSpacing);  // keyframes of one reach of way
+constexpr int kFewSteps = 4;                                            // constraints of a way
+constexpr double kJumpMetres = 0.05, kJumpRadians = 0.5 * kDegree;      // more is told as a new epoch
 
 std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position,
                                          std::vector<ArchivedKeyframe> some) {
@@ -77,7 +75,8 @@ void Mapper::follow_archive() {
       graph_.add(kOriginNode, Pose::Identity());
       odometry.from = kOriginNode;
       odometry.from_to = map_from_keyframe;
-      odometry.information = inverse(Matrix6(tracker_.drift() + kFloor * kFloor * Matrix6::Identity()));
+      odometry.information =
+          inverse(Matrix6(tracker_.drift() + kPoseFloor * kPoseFloor * Matrix6::Identity()));
     }
     graph_.add(k.id, map_from_keyframe);
     graph_.connect(odometry);

@@ -6,7 +6,6 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "icp/welsch.hpp"

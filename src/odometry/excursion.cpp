@@ -64,10 +64,7 @@ void Excursion::remember(std::int64_t utime, const PreparedScan& scan) {
   if (!seen_.wants(utime, here.translation(), scan.median_range)) return;
   const Matrix6 covariance = odometer_.take_new_drift();
   std::optional<OdometryTie> tie;
-  if (!seen_.empty()) {
-    const ArchivedKeyframe& before = seen_.keyframes().back();
-    tie = {before.id, before.map_from_body.inverse() * here, covariance};
-  }
+  if (!seen_.empty()) tie = tie_to(seen_.keyframes().back(), here, covariance);
   seen_.add(utime, here, scan.median_range, deskewed(scan.source, odometer_.state().twist), tie);
 }
 

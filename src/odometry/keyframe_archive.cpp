@@ -8,12 +8,11 @@
 
 #include "geometry/elementary.hpp"
 #include "geometry/voxel_grid.hpp"
+#include "odometry/motion_filter.hpp"
 
 namespace scanlock {
 namespace {
 
-constexpr double kSpacing = 1.0 / 6.0;       // of the reach, between two places
-constexpr double kRigid = 1e-3;              // metres and radians, of a map that was saved
 constexpr std::int64_t kFresh = 60000000;    // microseconds: the drift of a minute does not matter
 constexpr double kNeighbourhood = 20.0;      // metres
 constexpr std::size_t kMostPoints = 3000;    // of a place
@@ -33,6 +32,10 @@ bool is_fresh(const ArchivedKeyframe& k, std::int64_t utime) {
 
 }  // namespace
 
+OdometryTie tie_to(const ArchivedKeyframe& before, const Pose& map_from_here, const Matrix6& covariance) {
+  return {before.id, before.map_from_body.inverse() * map_from_here, covariance};
+}
+
 SavedMap moved(const SavedMap& map, const Pose& there_from_here) {
   SavedMap result = map;
   result.last_pose = renormalised(there_from_here * map.last_pose);
@@ -45,7 +48,7 @@ SavedMap moved(const SavedMap& map, const Pose& there_from_here) {
 }
 
 bool KeyframeArchive::wants(std::int64_t utime, const Eigen::Vector3d& position, double reach) const {
-  const double spacing = kSpacing * reach;
+  const double spacing = kPlaceSpacing * reach;
   return std::none_of(keyframes_.rbegin(), keyframes_.rend(), [&](const ArchivedKeyframe& k) {
     return is_fresh(k, utime) && (k.map_from_body.translation() - position).norm() < spacing;
   });
@@ -149,8 +152,8 @@ void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes) {
     keyframes_[i].tie.reset();
     if (i == 0) continue;
     const ArchivedKeyframe& before = keyframes_[i - 1];
-    keyframes_[i].tie = {before.id, before.map_from_body.inverse() * keyframes_[i].map_from_body,
-                         kRigid * kRigid * Matrix6::Identity()};
+    keyframes_[i].tie =
+        tie_to(before, keyframes_[i].map_from_body, kPoseFloor * kPoseFloor * Matrix6::Identity());
   }
   evict();
 }

@@ -20,6 +20,9 @@ struct OdometryTie {
   Matrix6 covariance = Matrix6::Zero();  ///< right perturbation, [metres; radians]
 };
 
+inline constexpr double kPlaceSpacing = 1.0 / 6.0;  ///< of the reach, between two keyframes of one way
+inline constexpr double kSameSpot = 1.0 / 3.0;      ///< of the reach: keyframes so near show the same ground
+
 /// A place that the robot has been to: what it saw from there.
 struct ArchivedKeyframe {
   std::int64_t utime = 0;                    ///< microseconds, stamp of the scan
@@ -31,6 +34,9 @@ struct ArchivedKeyframe {
   std::uint32_t id = 0;                           ///< from 1 on, in the order in which they were added
   std::optional<OdometryTie> tie = std::nullopt;  ///< none of the first one
 };
+
+/// How something lies to a keyframe that was archived before; `covariance` as there.
+OdometryTie tie_to(const ArchivedKeyframe& before, const Pose& map_from_here, const Matrix6& covariance);
 
 inline constexpr std::size_t kMostStands = 32;  ///< of a place
 

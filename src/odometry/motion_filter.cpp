@@ -12,7 +12,6 @@ namespace {
 // What a robot that nobody knows anything of may be doing when it is first seen.
 constexpr double kStartSpeed = 10.0;    // m/s
 constexpr double kStartTurnRate = 1.5;  // rad/s
-constexpr double kPoseFloor = 1e-3;     // m and rad: no pose is known better than this
 
 }  // namespace
 

@@ -6,6 +6,8 @@
 
 namespace scanlock {
 
+inline constexpr double kPoseFloor = 1e-3;  ///< metres and radians: no pose is known better than this
+
 /// The motion between scans: body velocity, disturbed by white noise on the acceleration. Speed, drift and
 /// turn rate go on; what hands, legs and springs do, along z and about x and y, comes back to its mean of the
 /// last few seconds (an Ornstein-Uhlenbeck process), so that a direction that a scene hardly holds does not

@@ -23,8 +23,8 @@ constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is bette
 constexpr double kFirstSigma = 0.03;
 constexpr double kNearFirst = 3,
                  kFarFirst = 6;  // times the reach: from farther off all is pulled to where most is
-/// A cap on cost. One that ends before it has converged stays near the prediction, which then goes on by
-/// itself: in a wood a robot at rest was taken for one that turned ever faster.
+/// A cap on cost. An alignment that ends before it has converged stays near its prediction, so that errors of
+/// the velocity feed the next one.
 constexpr int kMostIterations = 36;
 
 /// Radians: a planar robot turns on the spot, by more between two scans than ICP can follow.

@@ -137,6 +137,7 @@ class Odometer {
   void insert(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving);
   bool wants_keyframe(double overlap, double voxel) const;
   void follow_drift(const Pose& before);
+  void add_drift(const Matrix6& more);
 
   TrackerConfig config_;
   LocalMap map_;
@@ -151,7 +152,6 @@ class Odometer {
   double sigma_;  ///< metres, of a residual: robust, smoothed
   Pose last_keyframe_pose_ = Pose::Identity();
   Keyframe first_;  ///< its points as they came, until their motion is known
-  void add_drift(const Matrix6& more);
   Matrix6 drift_ = Matrix6::Zero(), new_drift_ = Matrix6::Zero();
   Vector6 bend_ = Vector6::Zero();  ///< see pose_covariance()
   /// Of the last pose against the map, as far as a scan told it: what new ground is seen with.

@@ -9,6 +9,7 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/moved_cloud.hpp"
+#include "odometry/join.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/open_axes.hpp"
 #include "odometry/relocation.hpp"
@@ -31,6 +32,7 @@ constexpr double kDegradedShare = 0.4;            // of the points of a scan: fe
 constexpr int kQuietScans = 5;                    // after that, before the map may grow
 constexpr int kAttitudes = 100;                   // that the upward direction is averaged over
 constexpr std::int64_t kAnotherRun = 3600000000;  // microseconds
+constexpr double kLeastTie = 1e-8;                // (0.1 mm)^2 and (0.1 mrad)^2: no chain is rigid
 constexpr int kFalseStarts = 3;                   // scans that do not fit the first one: it was no good
 
 Eigen::Vector3d up_in_body(const ScanPrior& hints) {
@@ -253,34 +255,11 @@ struct Tracker::State {
     const Matrix6 drift = odometer.take_new_drift();
     if (archive.empty()) return std::nullopt;
     const Pose& here = odometer.state().pose;
-    const ArchivedKeyframe* before =
-        jumped ? &archive.nearest(here.translation()) : &archive.keyframes().back();
-    const Matrix6 floor = 1e-8 * Matrix6::Identity();  // (0.1 mm)^2: no chain is rigid
-    const Matrix6 covariance = (jumped ? odometer.pose_covariance() : drift) + floor;
+    const ArchivedKeyframe& before =
+        jumped ? archive.nearest(here.translation()) : archive.keyframes().back();
+    const Matrix6 covariance = jumped ? odometer.pose_covariance() : drift;
     jumped = false;
-    return OdometryTie{before->id, before->map_from_body.inverse() * here, covariance};
-  }
-
-  /// What was seen while the robot was lost becomes part of the map, where it shows new ground. It lies to
-  /// the map as the pose does that was found, and as well as the way from there is known.
-  void join(const Excursion& excursion, const Pose& map_from_predicted, double reach) {
-    constexpr double kNewGround = 1.0 / 3.0;  // of the reach, to anything archived
-    if (archive.empty()) return;
-    const KeyframeArchive known = archive;
-    const Matrix6 covariance = excursion.odometer().drift() + excursion.odometer().pose_covariance();
-    std::uint32_t seen_before = 0, added_before = 0;  // ids; 0: none
-    for (const ArchivedKeyframe& k : excursion.seen().keyframes()) {
-      const Pose here = renormalised(map_from_predicted * k.map_from_body);
-      const ArchivedKeyframe& near = known.nearest(here.translation());
-      if ((near.map_from_body.translation() - here.translation()).norm() < kNewGround * reach) continue;
-      const Matrix6 back = adjoint(k.map_from_body.inverse() * excursion.state().pose);
-      OdometryTie tie{near.id, near.map_from_body.inverse() * here, back * covariance * back.transpose()};
-      if (k.tie && added_before > 0 && k.tie->before == seen_before)
-        tie = {added_before, k.tie->before_from_here, k.tie->covariance};
-      archive.add(k.utime, here, static_cast<double>(k.reach), *k.points, tie);
-      seen_before = k.id;
-      added_before = archive.keyframes().back().id;
-    }
+    return tie_to(before, here, covariance + kLeastTie * Matrix6::Identity());
   }
 
   /// Poses in the map went from one to another without any motion.
@@ -327,7 +306,7 @@ struct Tracker::State {
     if (!explains(attempt, kCalmScore)) odometer.forget_usual();
     const Pose predicted = relocation.excursion().state().pose;
     join(relocation.excursion(), renormalised(attempt.alignment.moving.pose * predicted.inverse()),
-         scan.median_range);
+         scan.median_range, &archive);
     jumped = true;
     believe(scan, attempt);
     jump(predicted, odometer.state().pose);

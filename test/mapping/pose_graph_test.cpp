@@ -65,6 +65,19 @@ std::vector<Pose> ring(std::uint32_t n) {
   return truth;
 }
 
+/// The truth, tied from each pose to the next as well as chance will have it.
+PoseGraph chain(const std::vector<Pose>& truth, Random& random) {
+  PoseGraph graph;
+  for (std::uint32_t i = 0; i < truth.size(); ++i) {
+    graph.add(i, truth[i]);
+    if (i == 0) continue;
+    Constraint c = measured(i - 1, i, truth);
+    c.information = 1e4 * random.information();
+    graph.connect(c);
+  }
+  return graph;
+}
+
 }  // namespace
 
 TEST_CASE("derivatives of a constraint are those that differences give") {
@@ -214,14 +227,7 @@ TEST_CASE("a covariance is that of the dense inverse, and a loop brings it down"
 TEST_CASE("a way through the graph chains its constraints, and is as long as is allowed") {
   Random random(8);
   const std::vector<Pose> truth = ring(10);
-  PoseGraph graph;
-  for (std::uint32_t i = 0; i < 10; ++i) {
-    graph.add(i, truth[i]);
-    if (i == 0) continue;
-    Constraint c = measured(i - 1, i, truth);
-    c.information = 1e4 * random.information();
-    graph.connect(c);
-  }
+  PoseGraph graph = chain(truth, random);
   Constraint closure = measured(0, 9, truth);
   closure.loop_closure = true;
   graph.connect(closure);
@@ -239,14 +245,7 @@ TEST_CASE("a way through the graph chains its constraints, and is as long as is 
 TEST_CASE("a node that is taken away leaves what was measured through it") {
   Random random(5);
   std::vector<Pose> truth = ring(12);
-  PoseGraph graph;
-  for (std::uint32_t i = 0; i < 12; ++i) {
-    graph.add(i, truth[i]);
-    if (i == 0) continue;
-    Constraint c = measured(i - 1, i, truth);
-    c.information = 1e4 * random.information();
-    graph.connect(c);
-  }
+  PoseGraph graph = chain(truth, random);
   const Matrix6 before = graph.covariance(0, 11);
   for (const std::uint32_t node : {5u, 3u, 4u}) graph.remove(node);
   CHECK(graph.nodes().size() == 9);
@@ -268,14 +267,7 @@ TEST_CASE("a node that is taken away leaves what was measured through it") {
 TEST_CASE("a node that is renewed keeps its neighbours, and joins those of the newer one") {
   Random random(6);
   const std::vector<Pose> truth = ring(12);
-  PoseGraph graph;
-  for (std::uint32_t i = 0; i < 12; ++i) {
-    graph.add(i, truth[i]);
-    if (i == 0) continue;
-    Constraint c = measured(i - 1, i, truth);
-    c.information = 1e4 * random.information();
-    graph.connect(c);
-  }
+  PoseGraph graph = chain(truth, random);
   const Matrix6 before = graph.covariance(3, 8);
   // Node 9 is the place of node 3, seen again.
   Constraint closure = measured(3, 9, truth);
