@@ -253,6 +253,7 @@ void Mapper::reset() {
   pending_.reset();
   last_revisit_.reset();
   revisits_.clear();
+  correction_.reset();
 }
 
 void Mapper::load(SavedMap saved) {
