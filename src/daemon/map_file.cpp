@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/map_file.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,6 +23,7 @@ namespace {
 constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'S', 'L', 'M', 'A', 'P', '\r', '\n'};
 constexpr std::size_t kHeaderBytes = 20, kChecksumBytes = 4;
 constexpr std::size_t kPoseBytes = 12 * 8, kKeyframeBytes = 8 + kPoseBytes + 4 + 4 + 4;  // without its points
+constexpr std::size_t kConstraintBytes = 4 + 4 + kPoseBytes + 4 + 21 * 8;
 constexpr std::size_t kPointBytes = 3 * 2, kStandBytes = 3 * 4;
 constexpr std::uintmax_t kMostBytes = 1u << 30;
 constexpr int kFinestStep = -24, kCoarsestStep = 24;  // metres, as powers of two
@@ -83,6 +86,16 @@ void put_keyframe(std::vector<std::uint8_t>& out, const ArchivedKeyframe& keyfra
   put(out, static_cast<std::uint32_t>(keyframe.stands.size()));
   for (const Eigen::Vector3f& up : keyframe.stands)
     for (const float coordinate : {up.x(), up.y(), up.z()}) put(out, bits_of<std::uint32_t>(coordinate));
+}
+
+void put_constraint(std::vector<std::uint8_t>& out, const Constraint& constraint) {
+  put(out, constraint.from);
+  put(out, constraint.to);
+  put_pose(out, constraint.from_to);
+  put(out, std::uint32_t{constraint.loop_closure});
+  for (int row = 0; row < 6; ++row)
+    for (int column = row; column < 6; ++column)
+      put(out, bits_of<std::uint64_t>(constraint.information(row, column)));
 }
 
 /// Reads numbers off bytes; whoever asks for more than there is gets an error that says where and for what.
@@ -208,6 +221,40 @@ ArchivedKeyframe read_keyframe(MapReader& reader, std::uint32_t version) {
   return keyframe;
 }
 
+/// Not negative in any direction, but for rounding.
+bool is_information(const Matrix6& information) {
+  if (!information.allFinite()) return false;
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(information, Eigen::EigenvaluesOnly);
+  constexpr double kRounding = 1e-9;
+  return solver.info() == Eigen::Success && solver.eigenvalues()[0] >= -kRounding * solver.eigenvalues()[5];
+}
+
+Constraint read_constraint(MapReader& reader, std::uint64_t keyframes) {
+  Constraint constraint;
+  const std::size_t start = reader.at();
+  constraint.from = reader.get<std::uint32_t>("a constraint");
+  constraint.to = reader.get<std::uint32_t>("a constraint");
+  if (constraint.from > keyframes || constraint.to > keyframes || constraint.from == constraint.to) {
+    reader.fail(start, "a constraint between keyframes " + std::to_string(constraint.from) + " and " +
+                           std::to_string(constraint.to) + " of " + std::to_string(keyframes));
+  }
+  constraint.from_to = read_pose(reader, "the pose of a constraint");
+  std::size_t at = reader.at();
+  const auto kind = reader.get<std::uint32_t>("the kind of a constraint");
+  if (kind > 1) reader.fail(at, std::to_string(kind) + " is no kind of constraint");
+  constraint.loop_closure = kind == 1;
+  at = reader.at();
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) {
+      const auto value = bits_of<double>(reader.get<std::uint64_t>("the information of a constraint"));
+      constraint.information(row, column) = constraint.information(column, row) = value;
+    }
+  }
+  if (!is_information(constraint.information))
+    reader.fail(at, "the information of a constraint is no inverse of a covariance");
+  return constraint;
+}
+
 /// Another file's name in a command must not cost that file.
 void refuse_other_files(const std::string& path) {
   std::error_code error;
@@ -227,13 +274,15 @@ std::vector<std::uint8_t> encode_map(const SavedMap& map) {
   for (const ArchivedKeyframe& keyframe : map.keyframes)
     bytes +=
         kKeyframeBytes + kPointBytes * keyframe.points->size() + 4 + kStandBytes * keyframe.stands.size();
-  out.reserve(bytes);
+  out.reserve(bytes + 4 + kConstraintBytes * map.constraints.size());
   put(out, kMapVersion);
   put(out, std::uint64_t{0});  // known at the end
   put(out, map.epoch);
   put_pose(out, map.last_pose);
   put(out, static_cast<std::uint32_t>(map.keyframes.size()));
   for (const ArchivedKeyframe& keyframe : map.keyframes) put_keyframe(out, keyframe);
+  put(out, static_cast<std::uint32_t>(map.constraints.size()));
+  for (const Constraint& constraint : map.constraints) put_constraint(out, constraint);
   const std::uint64_t body = out.size() - kHeaderBytes;
   for (std::size_t i = 0; i < sizeof body; ++i) out[12 + i] = static_cast<std::uint8_t>(body >> (8 * i));
   put(out, crc32(out.data(), out.size()));
@@ -250,8 +299,14 @@ SavedMap decode_map(const std::vector<std::uint8_t>& bytes, const std::string& n
   reader.need(count * kKeyframeBytes, "the keyframes");
   map.keyframes.reserve(static_cast<std::size_t>(count));
   for (std::uint64_t i = 0; i < count; ++i) map.keyframes.push_back(read_keyframe(reader, version));
+  if (version >= 3) {
+    const std::uint64_t constraints = reader.get<std::uint32_t>("the number of constraints");
+    reader.need(constraints * kConstraintBytes, "the constraints");
+    map.constraints.reserve(static_cast<std::size_t>(constraints));
+    for (std::uint64_t i = 0; i < constraints; ++i) map.constraints.push_back(read_constraint(reader, count));
+  }
   if (reader.left() > 0)
-    reader.fail(reader.at(), std::to_string(reader.left()) + " bytes more than the keyframes take");
+    reader.fail(reader.at(), std::to_string(reader.left()) + " bytes more than the map takes");
   return map;
 }
 

@@ -10,7 +10,7 @@
 
 namespace scanlock {
 
-/// A map file, version 2. All numbers little-endian; a pose is the upper three rows of its matrix, row-major,
+/// A map file, version 3. All numbers little-endian; a pose is the upper three rows of its matrix, row-major,
 /// as 12 float64.
 ///
 ///     offset  size  what
@@ -20,14 +20,18 @@ namespace scanlock {
 ///     20            body: uint32 epoch, pose last_pose, uint32 keyframes, then of each keyframe
 ///                     int64 utime, pose map_from_body, float32 reach, int32 k, uint32 points n,
 ///                     int16 x[n], y[n], z[n] in steps of 2^k metres,
-///                     uint32 stands m, float32 x, y, z of each (not in version 1)
+///                     uint32 stands m, float32 x, y, z of each (not in version 1);
+///                   then (not in versions 1 and 2) uint32 constraints, of each
+///                     uint32 from, to (keyframes, counted from 1; 0 is the map's frame), pose from_to,
+///                     uint32 1 for a loop closure, else 0, float64 information[21] (upper triangle,
+///                     row-major)
 ///     end - 4 4     CRC-32 of everything before
 ///
 /// The step is the smallest power of two that reaches the keyframe's farthest coordinate in 32767 steps, so a
 /// coordinate is kept to half of it: 2 mm where the farthest is 100 m, 0.25 mm where it is 15 m. Poses are
-/// kept exactly, and a map of this version that was read is written to the same bytes again. One of version 1
-/// is read, too.
-constexpr std::uint32_t kMapVersion = 2;
+/// kept exactly, and a map of this version that was read is written to the same bytes again. Versions 1 and 2
+/// are read, too.
+constexpr std::uint32_t kMapVersion = 3;
 
 /// Points that are not finite are left out.
 std::vector<std::uint8_t> encode_map(const SavedMap& map);

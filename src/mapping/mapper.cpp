@@ -65,23 +65,21 @@ void Mapper::follow_archive() {
   for (const ArchivedKeyframe& k : keyframes) {
     if (k.id < known_) continue;
     const Pose map_from_keyframe = tracker_.map_from_own() * k.map_from_body;
-    Constraint odometry;
-    odometry.to = k.id;
-    if (k.tie && graph_.contains(k.tie->before)) {
-      odometry.from = k.tie->before;
-      odometry.from_to = k.tie->before_from_here;
-      odometry.information = inverse(k.tie->covariance);
+    graph_.add(k.id, map_from_keyframe);
+    if (k.tie && graph_.contains(k.tie->from)) {
+      graph_.connect(*k.tie);
     } else {
       graph_.add(kOriginNode, Pose::Identity());
-      odometry.from = kOriginNode;
-      odometry.from_to = map_from_keyframe;
-      odometry.information =
-          inverse(Matrix6(tracker_.drift() + kPoseFloor * kPoseFloor * Matrix6::Identity()));
+      const Matrix6 floor = kPoseFloor * kPoseFloor * Matrix6::Identity();
+      graph_.connect({kOriginNode, k.id, map_from_keyframe, inverse(Matrix6(tracker_.drift() + floor))});
     }
-    graph_.add(k.id, map_from_keyframe);
-    graph_.connect(odometry);
   }
   known_ = keyframes.back().id + 1;
+  drop_evicted();
+  renew_places();
+}
+
+void Mapper::drop_evicted() {
   std::vector<std::uint32_t> gone;
   for (const auto& [id, pose] : graph_.nodes()) {
     if (id != kOriginNode && !tracker_.archive().find(id)) gone.push_back(id);
@@ -90,7 +88,6 @@ void Mapper::follow_archive() {
     if (history_) history_->remove(id, graph_.nodes().at(id));
     graph_.remove(id);
   }
-  renew_places();
 }
 
 /// Keyframes that lie a reach behind the robot take the place of those of an earlier visit. Not while a
@@ -256,9 +253,40 @@ void Mapper::reset() {
   correction_.reset();
 }
 
+/// Constraints name keyframes by their ids, the file by their places.
+SavedMap Mapper::save() const {
+  SavedMap saved = tracker_.save();
+  std::map<std::uint32_t, std::uint32_t> places = {{kOriginNode, kOriginNode}};
+  for (const ArchivedKeyframe& k : saved.keyframes)
+    places.emplace(k.id, static_cast<std::uint32_t>(places.size()));
+  for (Constraint c : graph_.constraints()) {
+    const auto from = places.find(c.from), to = places.find(c.to);
+    if (from == places.end() || to == places.end()) continue;
+    c.from = from->second;
+    c.to = to->second;
+    saved.constraints.push_back(c);
+  }
+  return saved;
+}
+
 void Mapper::load(SavedMap saved) {
   reset();
+  PoseGraph graph;
+  if (!saved.constraints.empty()) {
+    graph.add(kOriginNode, Pose::Identity());
+    std::uint32_t id = 0;
+    for (const ArchivedKeyframe& k : saved.keyframes) graph.add(++id, k.map_from_body);
+    for (const Constraint& c : saved.constraints) graph.connect(c);
+  }
+  const bool whole = graph.is_connected();
+  const auto keyframes = static_cast<std::uint32_t>(saved.keyframes.size());
   tracker_.load(std::move(saved));
+  if (whole && keyframes > 0 && !graph.nodes().empty()) {
+    graph_ = std::move(graph);
+    known_ = keyframes + 1;
+    drop_evicted();
+    return;
+  }
   follow_archive();
 }
 

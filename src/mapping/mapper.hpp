@@ -51,7 +51,7 @@ class Mapper {
   }
   void reset();
   void set_pose(const Pose& map_from_body) { tracker_.set_pose(map_from_body); }
-  SavedMap save() const { return tracker_.save(); }
+  SavedMap save() const;
   void load(SavedMap saved);
   PointCloud map() const { return tracker_.map(); }
 
@@ -71,6 +71,7 @@ class Mapper {
   };
   static constexpr double kAnyClosure = 1e12;  ///< before there was one, each is worth its cost
   void follow_archive();
+  void drop_evicted();
   void renew_places();
   std::optional<ClosureRequest> closure_request();
   bool is_known(std::uint32_t keyframe, std::uint32_t nearest);

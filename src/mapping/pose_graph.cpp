@@ -6,6 +6,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "icp/welsch.hpp"
@@ -309,6 +310,24 @@ std::optional<Constraint> PoseGraph::way(std::uint32_t from, std::uint32_t to, i
   }
   const auto found = ways.find(to);
   return found == ways.end() ? std::nullopt : std::optional<Constraint>(found->second);
+}
+
+bool PoseGraph::is_connected() const {
+  std::map<std::uint32_t, std::vector<std::uint32_t>> neighbours;
+  for (const Constraint& c : constraints_) {
+    neighbours[c.from].push_back(c.to);
+    neighbours[c.to].push_back(c.from);
+  }
+  std::set<std::uint32_t> reached;
+  std::vector<std::uint32_t> border;
+  if (!nodes_.empty()) border.push_back(nodes_.begin()->first);
+  while (!border.empty()) {
+    const std::uint32_t node = border.back();
+    border.pop_back();
+    if (!reached.insert(node).second) continue;
+    border.insert(border.end(), neighbours[node].begin(), neighbours[node].end());
+  }
+  return reached.size() == nodes_.size();
 }
 
 double PoseGraph::weight(const Constraint& constraint) const {

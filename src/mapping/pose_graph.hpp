@@ -9,17 +9,9 @@
 
 #include "geometry/linear.hpp"
 #include "geometry/rigid.hpp"
+#include "odometry/constraint.hpp"
 
 namespace scanlock {
-
-/// A relative pose of two nodes, measured.
-struct Constraint {
-  std::uint32_t from = 0, to = 0;   ///< nodes
-  Pose from_to = Pose::Identity();  ///< coordinates in `to` to coordinates in `from`
-  /// Inverse covariance of log(from_to^-1 from^-1 to): [metres; radians] in the frame of `to`.
-  Matrix6 information = Matrix6::Identity();
-  bool loop_closure = false;  ///< found by alignment, and may be wrong; odometry is not
-};
 
 /// The same measurement seen from its other end.
 Constraint reversed(const Constraint& constraint);
@@ -70,6 +62,8 @@ class PoseGraph {
   /// Welsch's weight of a constraint at the last scale (0 to 1); 1 of odometry.
   double weight(const Constraint& constraint) const;
 
+  /// Whether every node is reached from the first one.
+  bool is_connected() const;
   bool contains(std::uint32_t node) const { return nodes_.count(node) > 0; }
   const std::map<std::uint32_t, Pose>& nodes() const { return nodes_; }
   const std::vector<Constraint>& constraints() const { return constraints_; }

@@ -63,7 +63,7 @@ void Excursion::remember(std::int64_t utime, const PreparedScan& scan) {
   const Pose& here = odometer_.state().pose;
   if (!seen_.wants(utime, here.translation(), scan.median_range)) return;
   const Matrix6 covariance = odometer_.take_new_drift();
-  std::optional<OdometryTie> tie;
+  std::optional<Constraint> tie;
   if (!seen_.empty()) tie = tie_to(seen_.keyframes().back(), here, covariance);
   seen_.add(utime, here, scan.median_range, deskewed(scan.source, odometer_.state().twist), tie);
 }

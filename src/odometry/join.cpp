@@ -15,9 +15,11 @@ void join(const Excursion& excursion, const Pose& map_from_predicted, double rea
     const ArchivedKeyframe& near = known.nearest(here.translation());
     if ((near.map_from_body.translation() - here.translation()).norm() < kSameSpot * reach) continue;
     const Matrix6 back = adjoint(k.map_from_body.inverse() * excursion.state().pose);
-    OdometryTie tie = tie_to(near, here, back * covariance * back.transpose());
-    if (k.tie && added_before > 0 && k.tie->before == seen_before)
-      tie = {added_before, k.tie->before_from_here, k.tie->covariance};
+    Constraint tie = tie_to(near, here, back * covariance * back.transpose());
+    if (k.tie && added_before > 0 && k.tie->from == seen_before) {
+      tie = *k.tie;
+      tie.from = added_before;
+    }
     archive->add(k.utime, here, static_cast<double>(k.reach), *k.points, tie);
     seen_before = k.id;
     added_before = archive->keyframes().back().id;

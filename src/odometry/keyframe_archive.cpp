@@ -17,6 +17,7 @@ constexpr std::int64_t kFresh = 60000000;    // microseconds: the drift of a min
 constexpr double kNeighbourhood = 20.0;      // metres
 constexpr std::size_t kMostPoints = 3000;    // of a place
 constexpr double kFirstVoxel = 1.0 / 100.0;  // of the reach
+constexpr double kLeastTie = 1e-8;           // (0.1 mm)^2 and (0.1 mrad)^2: no chain is rigid
 constexpr float kStandStep = 0.05F;          // radians, between two that count as different
 
 template <typename Vector>
@@ -32,8 +33,9 @@ bool is_fresh(const ArchivedKeyframe& k, std::int64_t utime) {
 
 }  // namespace
 
-OdometryTie tie_to(const ArchivedKeyframe& before, const Pose& map_from_here, const Matrix6& covariance) {
-  return {before.id, before.map_from_body.inverse() * map_from_here, covariance};
+Constraint tie_to(const ArchivedKeyframe& before, const Pose& map_from_here, const Matrix6& covariance) {
+  return {before.id, 0, before.map_from_body.inverse() * map_from_here,
+          inverse(Matrix6(covariance + kLeastTie * Matrix6::Identity()))};
 }
 
 SavedMap moved(const SavedMap& map, const Pose& there_from_here) {
@@ -73,7 +75,7 @@ double KeyframeArchive::scene(const Eigen::Vector3d& position) const {
 }
 
 void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double reach,
-                          const PointCloud& points, const std::optional<OdometryTie>& tie) {
+                          const PointCloud& points, const std::optional<Constraint>& tie) {
   PointCloud thin;
   thin.x = points.x;
   thin.y = points.y;
@@ -87,6 +89,7 @@ void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double 
   keyframe.points = std::make_shared<const PointCloud>(std::move(thin));
   keyframe.id = next_id_++;
   keyframe.tie = tie;
+  if (keyframe.tie) keyframe.tie->to = keyframe.id;
   keyframes_.push_back(std::move(keyframe));
   evict();
 }
@@ -101,7 +104,7 @@ void KeyframeArchive::renew(std::uint32_t old, std::uint32_t newer) {
   for (const Eigen::Vector3f& up : kept->stands) {
     if (stands.size() < kMostStands && !stands_alike(stands, up)) stands.push_back(up);
   }
-  const std::optional<OdometryTie> tie = kept->tie;
+  const std::optional<Constraint> tie = kept->tie;
   *kept = std::move(*gone);
   kept->id = old;
   kept->tie = tie;
@@ -154,6 +157,7 @@ void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes) {
     const ArchivedKeyframe& before = keyframes_[i - 1];
     keyframes_[i].tie =
         tie_to(before, keyframes_[i].map_from_body, kPoseFloor * kPoseFloor * Matrix6::Identity());
+    keyframes_[i].tie->to = keyframes_[i].id;
   }
   evict();
 }

@@ -10,15 +10,9 @@
 
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
+#include "odometry/constraint.hpp"
 
 namespace scanlock {
-
-/// How a keyframe lies to an earlier one, by odometry.
-struct OdometryTie {
-  std::uint32_t before = 0;  ///< the earlier one, its id
-  Pose before_from_here = Pose::Identity();
-  Matrix6 covariance = Matrix6::Zero();  ///< right perturbation, [metres; radians]
-};
 
 inline constexpr double kPlaceSpacing = 1.0 / 6.0;  ///< of the reach, between two keyframes of one way
 inline constexpr double kSameSpot = 1.0 / 3.0;      ///< of the reach: keyframes so near show the same ground
@@ -31,12 +25,14 @@ struct ArchivedKeyframe {
   std::shared_ptr<const PointCloud> points;  ///< x y z only, deskewed and thinned, body frame; never null
   /// The ways in which the body stood about here: its z axis, axes of the map, some degrees apart.
   std::vector<Eigen::Vector3f> stands = {};
-  std::uint32_t id = 0;                           ///< from 1 on, in the order in which they were added
-  std::optional<OdometryTie> tie = std::nullopt;  ///< none of the first one
+  std::uint32_t id = 0;  ///< from 1 on, in the order in which they were added
+  /// From an earlier one to here, by odometry; none of the first one.
+  std::optional<Constraint> tie = std::nullopt;
 };
 
-/// How something lies to a keyframe that was archived before; `covariance` as there.
-OdometryTie tie_to(const ArchivedKeyframe& before, const Pose& map_from_here, const Matrix6& covariance);
+/// From a keyframe that was archived before to a pose, whose keyframe has no id yet. `covariance`: right
+/// perturbation, [metres; radians].
+Constraint tie_to(const ArchivedKeyframe& before, const Pose& map_from_here, const Matrix6& covariance);
 
 inline constexpr std::size_t kMostStands = 32;  ///< of a place
 
@@ -45,6 +41,8 @@ struct SavedMap {
   std::uint32_t epoch = 0;
   Pose last_pose = Pose::Identity();        ///< map_from_body of the last scan that was tracked
   std::vector<ArchivedKeyframe> keyframes;  ///< oldest first
+  /// Between keyframes, by their places in the list, from 1 on; 0 is the map's frame. None: it is rigid.
+  std::vector<Constraint> constraints = {};
 };
 
 /// The same map in another frame, whose z axis must point the same way; the points are shared.
@@ -67,10 +65,10 @@ class KeyframeArchive {
   double scene(const Eigen::Vector3d& position) const;
   /// `points` in the body frame, any density.
   void add(std::int64_t utime, const Pose& map_from_body, double reach, const PointCloud& points,
-           const std::optional<OdometryTie>& tie = std::nullopt);
+           const std::optional<Constraint>& tie = std::nullopt);
   /// The body stood like this: on slopes that differs from one step to the next.
   void note_stand(const Pose& map_from_body);
-  /// What was saved, with ids and ties of its own: it is taken for rigid.
+  /// What was saved. Ids are places in the list, from 1 on; each is tied to the one before, rigidly.
   void restore(std::vector<ArchivedKeyframe> keyframes);
   /// The keyframe `old` becomes what `newer` is, but for its id; that one goes. Both have to be there.
   void renew(std::uint32_t old, std::uint32_t newer);

@@ -32,7 +32,6 @@ constexpr double kDegradedShare = 0.4;            // of the points of a scan: fe
 constexpr int kQuietScans = 5;                    // after that, before the map may grow
 constexpr int kAttitudes = 100;                   // that the upward direction is averaged over
 constexpr std::int64_t kAnotherRun = 3600000000;  // microseconds
-constexpr double kLeastTie = 1e-8;                // (0.1 mm)^2 and (0.1 mrad)^2: no chain is rigid
 constexpr int kFalseStarts = 3;                   // scans that do not fit the first one: it was no good
 
 Eigen::Vector3d up_in_body(const ScanPrior& hints) {
@@ -251,7 +250,7 @@ struct Tracker::State {
   }
 
   /// By odometry to the keyframe before; after a jump by the alignment of now to the one nearest by.
-  std::optional<OdometryTie> tie() {
+  std::optional<Constraint> tie() {
     const Matrix6 drift = odometer.take_new_drift();
     if (archive.empty()) return std::nullopt;
     const Pose& here = odometer.state().pose;
@@ -259,7 +258,7 @@ struct Tracker::State {
         jumped ? archive.nearest(here.translation()) : archive.keyframes().back();
     const Matrix6 covariance = jumped ? odometer.pose_covariance() : drift;
     jumped = false;
-    return tie_to(before, here, covariance + kLeastTie * Matrix6::Identity());
+    return tie_to(before, here, covariance);
   }
 
   /// Poses in the map went from one to another without any motion.
@@ -473,7 +472,7 @@ void Tracker::set_pose(const Pose& map_from_body) {
 }
 
 SavedMap Tracker::save() const {
-  return moved({state_->epoch, state_->last_trusted.map_from_body, state_->archive.keyframes()},
+  return moved({state_->epoch, state_->last_trusted.map_from_body, state_->archive.keyframes(), {}},
                state_->map_from_own);
 }
 

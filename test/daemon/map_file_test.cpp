@@ -34,6 +34,11 @@ SavedMap some_map(int keyframes, int points) {
   for (int k = 0; k < keyframes; ++k) {
     auto cloud = std::make_shared<PointCloud>();
     for (int i = 0; i < points; ++i) cloud->push_back(uniform(random), uniform(random), uniform(random) / 20);
+    if (k > 0) {
+      const auto to = static_cast<std::uint32_t>(k + 1);
+      map.constraints.push_back({to - 1, to, some_pose(1), (100.0 + k) * Matrix6::Identity(), k % 2 == 0});
+      map.constraints.back().information(0, 5) = map.constraints.back().information(5, 0) = 3;
+    }
     map.keyframes.push_back({1700000000000000 + k,
                              some_pose(k),
                              12.5f + static_cast<float>(k),
@@ -90,6 +95,15 @@ TEST_CASE("a map comes back poses exactly points to half a step") {
     CHECK(worst <= 0.002f);  // coordinates reach 90 m: steps of 1/256 m
     CHECK(worst > 0);
   }
+  REQUIRE(read.constraints.size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Constraint &before = map.constraints[i], &after = read.constraints[i];
+    CHECK(after.from == before.from);
+    CHECK(after.to == before.to);
+    CHECK(after.from_to.matrix() == before.from_to.matrix());
+    CHECK(after.information == before.information);
+    CHECK(after.loop_closure == before.loop_closure);
+  }
 }
 
 TEST_CASE("a map that was read is written to the same bytes") {
@@ -111,7 +125,7 @@ TEST_CASE("an empty map an empty keyframe and points that are not finite") {
   CHECK((read.keyframes[0].points->point(0) - Eigen::Vector3f(1, 2, 3)).norm() < 1e-3f);
 }
 
-TEST_CASE("the bytes of versions 1 and 2 stay as they are") {
+TEST_CASE("the bytes of all versions stay as they are") {
   SavedMap map;
   map.epoch = 2;
   auto cloud = std::make_shared<PointCloud>();
@@ -145,6 +159,29 @@ TEST_CASE("the bytes of versions 1 and 2 stay as they are") {
   expected.resize(expected.size() - 4);
   append({1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x80, 0x3F});
   append({0, 0, 0, 0});
+  const SavedMap second = decode_map(sealed(expected), "yard.map");
+  REQUIRE(second.keyframes.size() == 1);
+  CHECK(second.keyframes[0].stands == map.keyframes[0].stands);
+  CHECK(second.constraints.empty());
+
+  Matrix6 information = Matrix6::Identity();
+  information(0, 1) = information(1, 0) = 0.5;
+  map.constraints.push_back({0, 1, Pose::Identity(), information, true});
+  expected[8] = 3;
+  const std::size_t body = 226 + 16 + 4 + 276;
+  expected[12] = static_cast<std::uint8_t>(body & 255);
+  expected[13] = static_cast<std::uint8_t>(body >> 8);
+  expected.resize(expected.size() - 4);
+  append({1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0});
+  append_identity();
+  append({1, 0, 0, 0});
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) {
+      const bool half = row == 0 && column == 1;
+      append({0, 0, 0, 0, 0, 0, half ? 0xE0 : row == column ? 0xF0 : 0, half || row == column ? 0x3F : 0});
+    }
+  }
+  append({0, 0, 0, 0});
   CHECK(encode_map(map) == sealed(expected));
 }
 
@@ -169,12 +206,25 @@ TEST_CASE("what is wrong is named with its byte") {
   Bytes counted = good;
   counted[20 + 4 + 96] = 200;  // keyframes that are not there, under a fitting checksum
   CHECK(contains(error_of(sealed(counted)), "the keyframes would take"));
+  const std::size_t end = good.size() - 4 - (4 + 276);  // of the keyframes; then one constraint
   Bytes fallen = good;
-  fallen[good.size() - 4 - 1] = 0x40;  // the last coordinate of the last stand: 4 instead of 1
+  fallen[end - 1] = 0x40;  // the last coordinate of the last stand: 4 instead of 1
   CHECK(contains(error_of(sealed(fallen)), "a stand is no direction"));
   Bytes crowded = good;
-  crowded[good.size() - 4 - 24 - 4] = 33;
+  crowded[end - 24 - 4] = 33;
   CHECK(contains(error_of(sealed(crowded)), "33 stands are none of ours"));
+  Bytes unknown = good;
+  unknown[end + 4] = 7;
+  CHECK(contains(error_of(sealed(unknown)), "a constraint between keyframes 7 and 2 of 2"));
+  Bytes looped = good;
+  looped[end + 4] = 2;
+  CHECK(contains(error_of(sealed(looped)), "a constraint between keyframes 2 and 2 of 2"));
+  Bytes kind = good;
+  kind[end + 4 + 8 + 96] = 2;
+  CHECK(contains(error_of(sealed(kind)), "2 is no kind of constraint"));
+  Bytes negative = good;
+  negative[good.size() - 4 - 1] ^= 0x80;
+  CHECK(contains(error_of(sealed(negative)), "is no inverse of a covariance"));
   Bytes bent = good;
   bent[20 + 4 + 7] = 0x7F;  // the first element of the last pose
   CHECK(contains(error_of(sealed(bent)), "byte 24: the last pose is no rigid pose"));

@@ -105,6 +105,40 @@ TEST_CASE("a closure that was asked for before a reset changes nothing after it"
   CHECK(mapper.track(seen(30)).loop_closures == 0);
 }
 
+TEST_CASE("what the poses of a saved map are known to, and what closed its loops, is known again") {
+  Mapper mapper(forgetful());
+  int scans = 0;
+  mapper.track(seen(scans++));
+  while (mapper.graph().constraints().size() <= mapper.graph().nodes().size() && scans < 400) {
+    mapper.track(seen(scans++));
+    if (auto request = mapper.take_request()) mapper.give(MapWorker(forgetful()).work(*request));
+  }
+  const PoseGraph& before = mapper.graph();
+  REQUIRE(before.constraints().size() > before.nodes().size());
+  SavedMap saved = mapper.save();
+  Mapper other(forgetful());
+  other.load(saved);
+  const PoseGraph& after = other.graph();
+  REQUIRE(after.nodes().size() == before.nodes().size());
+  REQUIRE(after.constraints().size() == before.constraints().size());
+  const auto closures = [](const PoseGraph& graph) {
+    return std::count_if(graph.constraints().begin(), graph.constraints().end(),
+                         [](const Constraint& c) { return c.loop_closure; });
+  };
+  CHECK(closures(after) == closures(before));
+  CHECK(closures(after) > 0);
+  const Matrix6 last_before = before.covariance(kOriginNode, before.nodes().rbegin()->first);
+  const Matrix6 last_after = after.covariance(kOriginNode, after.nodes().rbegin()->first);
+  CHECK(last_after.isApprox(last_before, 1e-6));
+
+  saved.constraints.resize(1);  // most keyframes hang in the air: they are taken for rigid
+  other.load(saved);
+  CHECK(other.graph().nodes().size() == before.nodes().size());
+  CHECK(other.graph().is_connected());
+  const Matrix6 rigid = other.graph().covariance(kOriginNode, other.graph().nodes().rbegin()->first);
+  CHECK(rigid.diagonal().maxCoeff() < 1e-2);
+}
+
 TEST_CASE("a map that was saved is one graph again, and a reset leaves none") {
   Mapper mapper(forgetful());
   for (int i = 0; i < 40; ++i) mapper.track(seen(i));

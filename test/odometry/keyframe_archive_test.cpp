@@ -78,13 +78,13 @@ TEST_CASE("a place is thinned and the oldest places give way to the cap") {
 TEST_CASE("keyframes are found by id and moved, with the ways in which the body stood there") {
   KeyframeArchive archive(1000000);
   for (int i = 0; i < 4; ++i) {
-    archive.add(i, at(10 * i, 0), 12, ring(500, 12), OdometryTie{static_cast<std::uint32_t>(i), at(i, 0)});
+    archive.add(i, at(10 * i, 0), 12, ring(500, 12), Constraint{static_cast<std::uint32_t>(i), 0, at(i, 0)});
     archive.note_stand(at(10 * i, 0));
   }
   CHECK(archive.nearest({21, 3, 0}).id == 3);
   REQUIRE(archive.find(4) != nullptr);
   CHECK(archive.find(4)->utime == 3);
-  CHECK(archive.find(4)->tie->before_from_here.translation().x() == 3);
+  CHECK(archive.find(4)->tie->from_to.translation().x() == 3);
   CHECK(archive.find(0) == nullptr);
   CHECK(archive.find(5) == nullptr);
   Pose there = at(7, 7);

@@ -1,0 +1,21 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "geometry/linear.hpp"
+#include "geometry/rigid.hpp"
+
+namespace scanlock {
+
+/// A relative pose of two keyframes, measured.
+struct Constraint {
+  std::uint32_t from = 0, to = 0;   ///< ids
+  Pose from_to = Pose::Identity();  ///< coordinates in `to` to coordinates in `from`
+  /// Inverse covariance of log(from_to^-1 from^-1 to): [metres; radians] in the frame of `to`.
+  Matrix6 information = Matrix6::Identity();
+  bool loop_closure = false;  ///< found by alignment, and may be wrong; odometry is not
+};
+
+}  // namespace scanlock
