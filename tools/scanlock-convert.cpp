@@ -13,6 +13,8 @@
 #include <string>
 
 #include "command_line.hpp"
+#include "daemon/map_file.hpp"
+#include "io/cloud_file.hpp"
 #include "io/lcm_log.hpp"
 #include "io/log_info.hpp"
 #include "io/log_poses.hpp"
@@ -20,6 +22,7 @@
 #include "io/progress_bar.hpp"
 #include "io/scan_log.hpp"
 #include "io/trajectory_source.hpp"
+#include "mapping/cloud_map.hpp"
 
 namespace {
 
@@ -38,6 +41,11 @@ constexpr const char* kFooter = R"(What is done depends on IN and OUT:
                             DIR/ptime/NAME.f32, if there: float32 seconds of each point relative to that stamp.
   LOG DIR                   the other way, into a new directory (.bin, times.txt, ptime/)
   LOG --info                channels, types, counts, rates, gaps; damage is passed over, counted and reported
+  SITE.ply|SITE.pcd SITE.map
+                            a cloud of any program into a map for scanlockd --map; z is up. (--map takes the cloud, too;
+                            the .map loads faster.)
+  SITE.map SITE.ply|SITE.pcd
+                            what the keyframes of a map have seen, as one cloud in its frame, thinned to 5 cm
   LOG OUT.tum|OUT.kitti     a pose channel (POSE_BODY_CORRECTED) as a trajectory
   IN.tum OUT.kitti, IN.kitti OUT.tum
                             a trajectory in the other format; IN is told by its content, OUT by its name
@@ -193,6 +201,37 @@ void convert_trajectory(const Options& options) {
     std::cout << loaded.trajectory.size() << " poses -> " << options.output << "\n";
 }
 
+bool is_cloud_name(const std::filesystem::path& path) {
+  return path.extension() == ".ply" || path.extension() == ".pcd";
+}
+
+/// One of the two is a map, the other a cloud.
+void convert_map(const Options& options) {
+  constexpr float kVoxel = 0.05F;  // metres
+  SavedMap map;
+  std::size_t points = 0;
+  if (is_cloud_name(options.input)) {
+    const PointCloud cloud = read_cloud(options.input);
+    ProgressBar bar("map");
+    try {
+      map = map_of_cloud(cloud, {}, shown_by(bar));
+    } catch (const CloudMapError& unfit) {
+      throw std::runtime_error(options.input + ": " + unfit.what());
+    }
+    write_map(options.output, map);
+    points = cloud.size();
+  } else {
+    map = read_map(options.input);
+    const PointCloud cloud = cloud_of_map(map, kVoxel);
+    write_cloud(options.output, cloud);
+    points = cloud.size();
+  }
+  if (options.json)
+    print_json(Json{{"keyframes", map.keyframes.size()}, {"points", points}, {"output", options.output}});
+  else
+    std::cout << map.keyframes.size() << " keyframes, " << points << " points -> " << options.output << "\n";
+}
+
 /// The kind of output follows from IN; a name that says another was not meant so.
 void check_kind(const Options& options, bool from_directory, bool to_directory) {
   const std::string &input = options.input, &output = options.output;
@@ -218,6 +257,13 @@ void run(const Options& options) {
   const bool directory = fs::is_directory(options.input), log = !directory && is_log(options.input);
   const fs::path extension = fs::path(options.output).extension();
   const bool to_trajectory = extension == ".tum" || extension == ".kitti" || extension == ".txt";
+  const fs::path input = options.input, output = options.output;
+  if (!directory && !log &&
+      ((is_cloud_name(input) && extension == ".map") ||
+       (input.extension() == ".map" && is_cloud_name(output)))) {
+    check_outputs({{options.input}, {options.output}, ""}, options.force);
+    return convert_map(options);
+  }
   if (!directory && !log && !to_trajectory)
     throw std::runtime_error(options.output + ": name a trajectory .tum, .kitti or .txt (" + options.input +
                              " is neither a directory nor an LCM log)");

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -26,7 +27,7 @@ using namespace scanlock;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string log_path, output_path, map_path, config_path, tum_path, kitti_path;
+  std::string log_path, output_path, map_path, start_map_path, config_path, tum_path, kitti_path;
   std::vector<std::string> channels;
   int threads = 0;
   bool json = false, force = false;
@@ -154,17 +155,19 @@ Config configured(const Options& options) {
   Config config = options.config_path.empty() ? Config{} : load_config(options.config_path);
   if (!options.channels.empty()) config.daemon.scan_channels = options.channels;
   if (options.threads > 0) config.tracker.threads = options.threads;
-  config.daemon.map.file.clear();  // a robot's map is not touched by a replay of its log
+  config.daemon.map.file = options.start_map_path;  // it is not written: this is a replay
   check_config(config);
   return config;
 }
 
 int run(const Options& options) {
-  check_outputs({{options.log_path, options.config_path},
+  check_outputs({{options.log_path, options.config_path, options.start_map_path},
                  {options.tum_path, options.kitti_path, options.output_path, options.map_path},
                  ""},
                 options.force);
   if (!options.map_path.empty()) check_cloud_path(options.map_path);
+  if (!options.start_map_path.empty() && !std::filesystem::exists(options.start_map_path))
+    throw std::runtime_error(options.start_map_path + ": no such file or directory");
   check_log(options.log_path);
   const Config config = configured(options);
   Statistics statistics([](LogLevel, const std::string&) {});
@@ -211,6 +214,8 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--kitti", options.kitti_path, "Write the trajectory (KITTI), likewise");
   app.add_option("--output", options.output_path,
                  "Write poses and odometry messages (LCM log), as they were at the time");
+  app.add_option("--start-map", options.start_map_path,
+                 "Map to find the place in (.map, .ply, .pcd), as scanlockd --map; it is not written");
   app.add_option("--map", options.map_path, "Write the map at the end (.ply)");
   app.add_flag("--force", options.force, "Overwrite outputs that are there already");
   app.add_flag("--json", options.json, "Print one JSON object on standard output");

@@ -19,6 +19,7 @@
 #include "daemon/doctor.hpp"
 #include "daemon/lcm_url.hpp"
 #include "daemon/log.hpp"
+#include "daemon/map_store.hpp"
 #include "io/destination.hpp"
 #include "io/lcm_log.hpp"
 #include "io/output_files.hpp"
@@ -144,7 +145,7 @@ void check_logs(const Options& options, const DaemonConfig& daemon) {
 int serve(const Config& config) {
   signal(SIGPIPE, SIG_IGN);  // a TCP peer that went away is an error of one publish, not the end
   StopSignal stop;
-  const SignalThread signals(stop, !config.daemon.map.file.empty());
+  const SignalThread signals(stop, !saved_map_file(config.daemon.map).empty());
   std::string channels;
   for (const auto& channel : config.daemon.scan_channels) channels += " " + channel;
   log_line(LogLevel::kInfo, std::string("version ") + SCANLOCK_VERSION + ": scans from" + channels + " at " +
@@ -178,8 +179,10 @@ void declare(CLI::App& app, Options& options) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--pose-channel", options.pose_channel,
                  "channel of bot_core.pose_t; default: POSE_BODY_CORRECTED");
-  app.add_option("--map", options.map_file,
-                 "map to come back to, where the file exists, and to save to on exit; default: none");
+  app.add_option(
+      "--map", options.map_file,
+      "map to find the place in, and to save to on exit (.map); a cloud of any program (.ply, .pcd), "
+      "which is never written; see map.mode. Default: none");
   app.add_option("--threads", options.threads, "threads of one alignment; the result does not depend on it")
       ->check(CLI::Range(1, 256));
   app.add_flag("--check", options.check,

@@ -21,7 +21,9 @@ Pose body_from_sensor(const MountConfig& mount);
 
 /// The map that outlives a run.
 struct MapConfig {
-  std::string file;           ///< empty: none is loaded or saved but on command
+  std::string file;           ///< empty: none is loaded or saved but on command; .ply or .pcd: a bare cloud
+  std::string mode = "auto";  ///< extend, localise, or auto: localise for bare clouds, else extend
+  std::string up = "z";       ///< of a bare cloud: x, y or z, or one of these with a minus
   double save_period_s = 60;  ///< 0: saved on exit and on command only
 };
 

@@ -25,10 +25,10 @@ ConfigKey make_key(const char* section, const char* name, T MountConfig::*member
 
 template <typename T>
 ConfigKey make_key(const char* section, const char* name, T MapConfig::*member, const char* unit, double min,
-                   double max, const char* help) {
-  return {
-      section, name, unit, min,
-      max,     help, {},   Access<T>([member](Config& config) -> T& { return config.daemon.map.*member; })};
+                   double max, const char* help, std::vector<std::string> choices = {}) {
+  return {section, name, unit, min, max, help, std::move(choices), Access<T>([member](Config& config) -> T& {
+            return config.daemon.map.*member;
+          })};
 }
 
 template <typename T>
@@ -80,7 +80,9 @@ std::vector<ConfigKey> make_table() {
     make_key("mount", "pitch_deg", &M::pitch_deg, "deg", -180, 180, "turn of the sensor about the body's y axis"),
     make_key("mount", "yaw_deg", &M::yaw_deg, "deg", -180, 180, "turn of the sensor about the body's z axis"),
 
-    make_key("map", "file", &F::file, "", 0, 4000, "map to find the place in at the start, where the file exists, and to save to on exit; empty: none"),
+    make_key("map", "file", &F::file, "", 0, 4000, "map to find the place in at the start, where the file exists, and to save to on exit; .ply or .pcd: a bare cloud of any program, which is never written; empty: none"),
+    make_key("map", "mode", &F::mode, "", 0, 16, "localise: the map is right, and stays as it is; extend: it grows, and is saved (of a bare cloud as .map beside it); auto: localise in a bare cloud, else extend", {"auto", "extend", "localise"}),
+    make_key("map", "up", &F::up, "", 0, 2, "axis of a bare cloud that points upwards", {"x", "-x", "y", "-y", "z", "-z"}),
     make_key("map", "save_period_s", &F::save_period_s, "s", 0, 86400, "the map is also saved so often when it has grown, for an exit that is not clean; 0: not"),
 
     TRACKER(min_range_m, "m", 0, 1000, "returns nearer than this are the robot itself"),

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -12,6 +13,10 @@
 #include <stdexcept>
 
 #include "daemon/map_file.hpp"
+#include "daemon/mount.hpp"
+#include "geometry/moved_cloud.hpp"
+#include "io/cloud_file.hpp"
+#include "mapping/cloud_map.hpp"
 
 namespace scanlock {
 namespace {
@@ -51,6 +56,25 @@ std::string described(const SavedMap& map) {
   return std::to_string(map.keyframes.size()) + " keyframes, " + std::to_string(points) + " points";
 }
 
+constexpr const char* kNoFile =
+    "no map file is named, neither in the command nor in the configuration (map.file)";
+constexpr const char* kStays = "the configured map stays as it is (map.mode); name a file to save to";
+
+bool is_bare_cloud(const std::string& file) {
+  std::string extension = std::filesystem::path(file).extension();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".ply" || extension == ".pcd";
+}
+
+bool stays_as_it_is(const MapConfig& config, const std::string& file) {
+  return config.mode == "localise" || (config.mode == "auto" && is_bare_cloud(file));
+}
+
+/// x, y, z, -x, -y or -z, as the configuration has checked.
+Eigen::Vector3d axis_of(const std::string& name) {
+  return (name.front() == '-' ? -1 : 1) * Eigen::Vector3d::Unit(name.back() - 'x');
+}
+
 void keep(const std::string& file, const Statistics& statistics) {
   const std::string kept = file + ".old";
   std::error_code error;
@@ -62,43 +86,65 @@ void keep(const std::string& file, const Statistics& statistics) {
 
 }  // namespace
 
-MapStore::MapStore(const MapConfig& config, Statistics& statistics)
-    : config_(config), statistics_(statistics), next_(Clock::now() + period_of(config)) {}
-
-std::string MapStore::resolved(const std::string& path) const {
-  if (!path.empty()) return path;
-  if (config_.file.empty())
-    throw std::runtime_error(
-        "no map file is named, neither in the command nor in the configuration (map.file)");
-  return config_.file;
+std::string saved_map_file(const MapConfig& config) {
+  if (config.file.empty() || stays_as_it_is(config, config.file)) return {};
+  return is_bare_cloud(config.file) ? std::filesystem::path(config.file).replace_extension(".map").string()
+                                    : config.file;
 }
 
-std::optional<SavedMap> MapStore::load_at_start() {
+MapStore::MapStore(const Config& config, Statistics& statistics)
+    : config_(config.daemon.map),
+      saved_file_(saved_map_file(config.daemon.map)),
+      body_from_sensor_(body_from_sensor(config.daemon.mount)),
+      max_range_m_(config.tracker.max_range_m),
+      statistics_(statistics),
+      next_(Clock::now() + period_of(config.daemon.map)) {}
+
+std::optional<LoadedMap> MapStore::load_at_start() {
   std::error_code error;
   if (config_.file.empty()) return std::nullopt;
-  if (!std::filesystem::exists(config_.file, error) && !error) {
-    const std::string folder = std::filesystem::absolute(config_.file).parent_path();
+  if (!saved_file_.empty() && !std::filesystem::exists(saved_file_, error) && !error) {
+    const std::string folder = std::filesystem::absolute(saved_file_).parent_path();
     if (access(folder.c_str(), W_OK) != 0)  // better said now than after the drive
-      throw std::runtime_error(config_.file + ": cannot be created there: " + std::strerror(errno));
-    statistics_.say(LogLevel::kInfo, config_.file + ": no map yet; it is written on exit");
-    return std::nullopt;
+      throw std::runtime_error(saved_file_ + ": cannot be created there: " + std::strerror(errno));
+    statistics_.say(LogLevel::kInfo, saved_file_ + ": no map yet; it is written on exit");
+    if (saved_file_ == config_.file) return std::nullopt;
+    return read(config_.file);
   }
-  SavedMap map;
   try {
-    map = read_map(config_.file);
+    LoadedMap loaded = read(saved_file_.empty() ? config_.file : saved_file_);
+    if (!saved_file_.empty()) written_ = loaded.map;
+    return loaded;
   } catch (const std::runtime_error& damage) {
-    throw std::runtime_error(std::string(damage.what()) + "; move it away to begin a new map");
+    throw std::runtime_error(damage.what() +
+                             std::string(saved_file_.empty() ? "" : "; move it away to begin a new map"));
   }
-  statistics_.say(LogLevel::kInfo, config_.file + ": map loaded: " + described(map));
-  written_ = map;
-  return map;
 }
 
-SavedMap MapStore::load(const std::string& path) const {
-  const std::string file = resolved(path);
-  SavedMap map = read_map(file);
-  statistics_.say(LogLevel::kInfo, file + ": map loaded: " + described(map));
-  return map;
+LoadedMap MapStore::load(const std::string& path) const {
+  if (path.empty() && config_.file.empty()) throw std::runtime_error(kNoFile);
+  return read(path.empty() ? config_.file : path);
+}
+
+/// A bare cloud is of the body's map frame, all other maps are of the sensor's.
+LoadedMap MapStore::read(const std::string& file) const {
+  LoadedMap loaded;
+  loaded.fixed = stays_as_it_is(config_, file);
+  if (is_bare_cloud(file)) {
+    const Pose sensor_from_body = body_from_sensor_.inverse();
+    CloudMapOptions options;
+    options.up = sensor_from_body.linear() * axis_of(config_.up);
+    options.max_range_m = max_range_m_;
+    try {
+      loaded.map = map_of_cloud(moved(read_cloud(file), sensor_from_body), options);
+    } catch (const CloudMapError& unfit) {
+      throw std::runtime_error(file + ": " + unfit.what());
+    }
+  } else {
+    loaded.map = read_map(file);
+  }
+  statistics_.say(LogLevel::kInfo, file + ": map loaded: " + described(loaded.map));
+  return loaded;
 }
 
 bool MapStore::is_busy() {
@@ -123,11 +169,12 @@ void MapStore::save_on_command(const std::string& path, SavedMap map) {
 }
 
 void MapStore::save(const std::string& path, SavedMap map, bool commanded) {
-  const std::string file = resolved(path);
+  const std::string& file = path.empty() ? saved_file_ : path;
+  if (file.empty()) throw std::runtime_error(config_.file.empty() ? kNoFile : kStays);
   if (map.keyframes.empty()) throw std::runtime_error(file + ": there is no map yet that could be saved");
   if (is_busy()) throw std::runtime_error(file + ": a map is being saved just now; ask again");
-  const bool keep_old = file == config_.file && is_another(map);
-  if (file == config_.file) written_ = map;
+  const bool keep_old = file == saved_file_ && is_another(map);
+  if (file == saved_file_) written_ = map;
   writing_ = std::async(std::launch::async, [this, file, keep_old, commanded, saved = std::move(map)] {
     try {
       write(file, saved, keep_old);
@@ -146,7 +193,7 @@ bool MapStore::is_another(const SavedMap& map) const {
 }
 
 bool MapStore::is_due(Clock::time_point now) {
-  if (config_.file.empty() || config_.save_period_s <= 0 || now < next_ || is_busy()) return false;
+  if (saved_file_.empty() || config_.save_period_s <= 0 || now < next_ || is_busy()) return false;
   next_ = now + period_of(config_);
   return true;
 }
@@ -154,7 +201,7 @@ bool MapStore::is_due(Clock::time_point now) {
 void MapStore::save_if_grown(SavedMap map) {
   if (map.keyframes.empty() || (written_ && same_keyframes(*written_, map))) return;
   try {
-    save(config_.file, std::move(map), false);
+    save(saved_file_, std::move(map), false);
   } catch (const std::exception& error) {
     complain(error);
   }
@@ -162,12 +209,12 @@ void MapStore::save_if_grown(SavedMap map) {
 
 void MapStore::save_at_exit(const SavedMap& map) {
   if (writing_.valid()) writing_.wait();
-  if (is_busy() || config_.file.empty() || map.keyframes.empty()) return;
+  if (is_busy() || saved_file_.empty() || map.keyframes.empty()) return;
   const bool same =
       written_ && same_keyframes(*written_, map) && same_pose(written_->last_pose, map.last_pose);
   if (same) return;
   try {
-    write(config_.file, map, is_another(map));
+    write(saved_file_, map, is_another(map));
   } catch (const std::exception& error) {
     throw std::runtime_error(std::string("the map was not saved: ") + error.what());
   }

@@ -14,17 +14,27 @@
 
 namespace scanlock {
 
+/// Where a map is saved to without being told: the configured file, or the .map beside a bare cloud; empty
+/// where none is configured, and where it stays as it is.
+std::string saved_map_file(const MapConfig& config);
+
+/// A map to find one's place in.
+struct LoadedMap {
+  SavedMap map;
+  bool fixed = false;  ///< it stays as it is, see Mapper::load
+};
+
 /// The daemon's map file. Writing is done in the background, one at a time, so that the disk never holds up
 /// the tracking; what goes wrong there is logged and becomes the last error.
 class MapStore {
  public:
-  MapStore(const MapConfig& config, Statistics& statistics);
+  MapStore(const Config& config, Statistics& statistics);
 
   /// What the configured file holds; nothing when none is configured, or there is none yet. Throws
   /// std::runtime_error for one that cannot be used.
-  std::optional<SavedMap> load_at_start();
+  std::optional<LoadedMap> load_at_start();
   /// Throws std::runtime_error naming what is wrong; `path` empty: the configured one.
-  SavedMap load(const std::string& path) const;
+  LoadedMap load(const std::string& path) const;
 
   /// Begins to write `map`. Throws std::runtime_error when that cannot be begun; once it is written, or could
   /// not be, the command is counted as taken or rejected. `path` empty: the configured one.
@@ -40,7 +50,7 @@ class MapStore {
   void save_at_exit(const SavedMap& map);
 
  private:
-  std::string resolved(const std::string& path) const;
+  LoadedMap read(const std::string& file) const;
   void save(const std::string& path, SavedMap map, bool commanded);
   bool is_busy();
   bool is_another(const SavedMap& map) const;
@@ -48,6 +58,9 @@ class MapStore {
   void write(const std::string& path, const SavedMap& map, bool keep_old);
 
   const MapConfig config_;
+  const std::string saved_file_;  ///< see saved_map_file()
+  const Pose body_from_sensor_;
+  const double max_range_m_;
   Statistics& statistics_;
   std::future<bool> writing_;  ///< whether it succeeded; what went wrong was said
   std::chrono::steady_clock::time_point next_;

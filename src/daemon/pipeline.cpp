@@ -37,11 +37,11 @@ Pipeline::Pipeline(const Config& config, Statistics& statistics, Mode mode)
     : mode_(mode),
       body_from_sensor_(body_from_sensor(config.daemon.mount)),
       statistics_(statistics),
-      maps_(config.daemon.map, statistics),
+      maps_(config, statistics),
       mapper_(config.tracker),
       judge_(body_from_sensor_),
       search_(config.tracker, mode == Mode::kReplay) {
-  if (std::optional<SavedMap> saved = maps_.load_at_start()) mapper_.load(std::move(*saved));
+  if (auto loaded = maps_.load_at_start()) mapper_.load(std::move(loaded->map), loaded->fixed);
 }
 
 FinishedScan Pipeline::process(const ReceivedScan& received) {
@@ -134,8 +134,10 @@ void Pipeline::attempt(const Command& command) {
         throw std::runtime_error(
             "a replay does not write the files that were written when its log was recorded");
       return maps_.save_on_command(command.path, mapper_.save());
-    case CommandKind::kLoadMap:
-      return mapper_.load(maps_.load(command.path));
+    case CommandKind::kLoadMap: {
+      LoadedMap loaded = maps_.load(command.path);
+      return mapper_.load(std::move(loaded.map), loaded.fixed);
+    }
   }
 }
 

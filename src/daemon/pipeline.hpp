@@ -11,6 +11,7 @@
 #include "daemon/map_store.hpp"
 #include "daemon/publisher_watch.hpp"
 #include "daemon/statistics.hpp"
+#include "geometry/moved_cloud.hpp"
 #include "mapping/mapper.hpp"
 #include "messages/reports.hpp"
 #include "odometry/prior_judge.hpp"
@@ -44,7 +45,8 @@ class Pipeline {
   /// At the end: saves the configured map. Throws std::runtime_error with a sentence when that fails.
   void finish();
 
-  PointCloud map() const { return mapper_.map(); }
+  /// In the frame of the poses that it tells.
+  PointCloud map() const { return moved(mapper_.map(), body_from_sensor_); }
 
   /// For trajectories that are written at the end: see Mapper.
   void keep_history() { mapper_.keep_history(); }

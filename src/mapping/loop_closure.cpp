@@ -64,9 +64,7 @@ std::optional<Constraint> find_closure(const ClosureRequest& request, const Matr
   Constraint closure;
   closure.from = request.nearest;
   closure.to = request.keyframe.id;
-  for (const ArchivedKeyframe& k : request.earlier) {
-    if (k.id == request.nearest) closure.from_to = k.map_from_body.inverse() * found;
-  }
+  closure.from_to = request.own_from_nearest.inverse() * found;
   closure.information = there.information() + kNothing * Matrix6::Identity();
   if (request.planar) {
     for (const int axis : {2, 3, 4}) {  // z, roll, pitch: it does not leave its plane
@@ -107,6 +105,7 @@ ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& con
   answer.serial = request.serial;
   answer.keyframe = request.keyframe.id;
   answer.nearest = request.nearest;
+  answer.nearest_keyframe = request.nearest_keyframe;
   answer.covariance = request.graph.covariance(request.nearest, request.keyframe.id);
   if (!request.pending && !is_worthwhile(answer.covariance, request.usual_information)) {
     answer.outcome = ClosureOutcome::kKnown;

@@ -23,10 +23,12 @@ struct ClosureRequest {
   std::int64_t serial = 0;
   PoseGraph graph;
   ArchivedKeyframe keyframe;
-  std::uint32_t nearest = 0;              ///< keyframe of the earlier visit
-  std::vector<ArchivedKeyframe> earlier;  ///< around it: that visit's
-  std::vector<ArchivedKeyframe> recent;   ///< around it: this visit's, without the keyframe itself
-  std::optional<Constraint> pending;      ///< a closure of the keyframe before, which needs a second one
+  std::uint32_t nearest = 0;  ///< node of the earlier visit: a keyframe, or kOriginNode where that is fixed
+  std::uint32_t nearest_keyframe = 0;        ///< the same, where that is a keyframe
+  Pose own_from_nearest = Pose::Identity();  ///< own: the frame of the keyframes below
+  std::vector<ArchivedKeyframe> earlier;     ///< around it: that visit's
+  std::vector<ArchivedKeyframe> recent;      ///< around it: this visit's, without the keyframe itself
+  std::optional<Constraint> pending;         ///< a closure of the keyframe before, which needs a second one
   Matrix6 usual_information = Matrix6::Identity();  ///< of the last closure
   double voxel = 0;                                 ///< metres
   bool planar = false;
@@ -42,7 +44,7 @@ enum class ClosureOutcome : std::int8_t {
 
 struct ClosureAnswer {
   std::int64_t serial = 0;
-  std::uint32_t keyframe = 0, nearest = 0;
+  std::uint32_t keyframe = 0, nearest = 0, nearest_keyframe = 0;  ///< as in the request
   ClosureOutcome outcome = ClosureOutcome::kRefused;
   std::string reason;  ///< in words
   /// Of the keyframe in the frame of `nearest`, with the closure where one is accepted.

@@ -47,7 +47,9 @@ TrackedScan Mapper::track(const Scan& scan, const ScanPrior& prior) {
     pending_.reset();
     last_revisit_.reset();
     const ArchivedKeyframe& nearest = tracker_.archive().nearest(tracker_.own_from_body().translation());
-    if (graph_.contains(nearest.id))
+    if (tracker_.archive().is_fixed(nearest.id))
+      tracker_.set_drift(Matrix6::Zero());
+    else if (graph_.contains(nearest.id))
       tracker_.set_drift(seen_from_robot(nearest.id, graph_.covariance(kOriginNode, nearest.id)));
   }
   if (correction_ && !tracked.recovery) {
@@ -63,20 +65,34 @@ void Mapper::follow_archive() {
   const std::vector<ArchivedKeyframe>& keyframes = tracker_.archive().keyframes();
   if (keyframes.empty() || keyframes.back().id < known_) return;
   for (const ArchivedKeyframe& k : keyframes) {
-    if (k.id < known_) continue;
-    const Pose map_from_keyframe = tracker_.map_from_own() * k.map_from_body;
-    graph_.add(k.id, map_from_keyframe);
-    if (k.tie && graph_.contains(k.tie->from)) {
-      graph_.connect(*k.tie);
-    } else {
-      graph_.add(kOriginNode, Pose::Identity());
-      const Matrix6 floor = kPoseFloor * kPoseFloor * Matrix6::Identity();
-      graph_.connect({kOriginNode, k.id, map_from_keyframe, inverse(Matrix6(tracker_.drift() + floor))});
-    }
+    if (k.id >= known_) connect_odometry(k);
   }
   known_ = keyframes.back().id + 1;
   drop_evicted();
   renew_places();
+}
+
+/// To the keyframe before, to the map's frame where that is fixed, or where there is none.
+void Mapper::connect_odometry(const ArchivedKeyframe& keyframe) {
+  const Pose map_from_keyframe = tracker_.map_from_own() * keyframe.map_from_body;
+  graph_.add(kOriginNode, Pose::Identity());
+  graph_.add(keyframe.id, map_from_keyframe);
+  Constraint tie;
+  if (keyframe.tie) tie = *keyframe.tie;
+  if (keyframe.tie && graph_.contains(tie.from)) {
+    graph_.connect(tie);
+    return;
+  }
+  const ArchivedKeyframe* before = keyframe.tie ? tracker_.archive().find(tie.from) : nullptr;
+  if (before && tracker_.archive().is_fixed(before->id)) {
+    tie.from_to = tracker_.map_from_own() * before->map_from_body * tie.from_to;
+  } else {
+    tie.from_to = map_from_keyframe;
+    tie.information = inverse(Matrix6(tracker_.drift() + kPoseFloor * kPoseFloor * Matrix6::Identity()));
+  }
+  tie.from = kOriginNode;
+  tie.to = keyframe.id;
+  graph_.connect(tie);
 }
 
 void Mapper::drop_evicted() {
@@ -97,20 +113,32 @@ void Mapper::renew_places() {
   while (!revisits_.empty() && revisits_.begin()->first + kTrail <= known_) {
     const auto [id, revisit] = *revisits_.begin();
     revisits_.erase(revisits_.begin());
-    const ArchivedKeyframe* newer = tracker_.archive().find(id);
-    const ArchivedKeyframe* old = tracker_.archive().find(revisit.nearest);
-    if (!newer || !old || !graph_.contains(id) || !graph_.contains(old->id)) continue;
-    const double apart = (newer->map_from_body.translation() - old->map_from_body.translation()).norm();
-    const double unsure = 3 * std::sqrt(revisit.covariance.diagonal().head<3>().maxCoeff());
-    if (std::max(apart, unsure) > kSameSpot * static_cast<double>(newer->reach)) continue;
+    renew(id, revisit);
+  }
+}
+
+/// Of a map that is fixed the older one stays.
+void Mapper::renew(std::uint32_t id, const Revisit& revisit) {
+  const ArchivedKeyframe* newer = tracker_.archive().find(id);
+  const ArchivedKeyframe* old = tracker_.archive().find(revisit.nearest_keyframe);
+  if (!newer || !old || !graph_.contains(id) || !graph_.contains(revisit.nearest)) return;
+  const double apart = (newer->map_from_body.translation() - old->map_from_body.translation()).norm();
+  const double unsure = 3 * std::sqrt(revisit.covariance.diagonal().head<3>().maxCoeff());
+  if (std::max(apart, unsure) > kSameSpot * static_cast<double>(newer->reach)) return;
+  if (tracker_.archive().is_fixed(old->id)) {
+    if (history_) history_->remove(id, graph_.nodes().at(id));
+    graph_.remove(id);
+    tracker_.remove(id);
+  } else {
     if (history_) history_->renew(old->id, id, graph_.nodes().at(old->id).inverse() * graph_.nodes().at(id));
     graph_.renew(old->id, id, revisit.covariance);
     tracker_.renew(old->id, id);
-    for (auto& [other, at] : revisits_) at.nearest = at.nearest == id ? revisit.nearest : at.nearest;
-    if (last_revisit_ && (last_revisit_->keyframe == id || last_revisit_->nearest == id))
-      last_revisit_.reset();
-    if (pending_ && (pending_->from == id || pending_->to == id)) pending_.reset();
+    for (auto& [other, at] : revisits_) {
+      if (at.nearest == id) at.nearest = at.nearest_keyframe = old->id;
+    }
   }
+  if (last_revisit_ && (last_revisit_->keyframe == id || last_revisit_->nearest == id)) last_revisit_.reset();
+  if (pending_ && (pending_->from == id || pending_->to == id)) pending_.reset();
 }
 
 std::optional<MapRequest> Mapper::take_request() {
@@ -143,8 +171,12 @@ std::optional<ClosureRequest> Mapper::closure_request() {
   if (request.earlier.empty() || request.recent.empty()) return std::nullopt;
   request.earlier = nearest_to(here, std::move(request.earlier));
   request.recent = nearest_to(here, std::move(request.recent));
-  request.nearest = request.earlier.front().id;
-  if (is_known(newest.id, request.nearest)) return std::nullopt;
+  const ArchivedKeyframe& nearest = request.earlier.front();
+  const bool fixed = tracker_.archive().is_fixed(nearest.id);
+  request.nearest = fixed ? kOriginNode : nearest.id;
+  request.own_from_nearest = fixed ? Pose(tracker_.map_from_own().inverse()) : nearest.map_from_body;
+  request.nearest_keyframe = nearest.id;
+  if (is_known({newest.id, request.nearest, nearest.id})) return std::nullopt;
   // Keyframes within a reach see the same surfaces: their closures share their errors, and say little more.
   if (!pending_ && newest.id < asked_ + kTrail) return std::nullopt;
   asked_ = newest.id;
@@ -161,18 +193,18 @@ std::optional<ClosureRequest> Mapper::closure_request() {
 
 /// Whether the two visits lie to each other as they did at the keyframe before, to within the ways from
 /// there.
-bool Mapper::is_known(std::uint32_t keyframe, std::uint32_t nearest) {
+bool Mapper::is_known(Revisit revisit) {
   if (pending_ || !last_revisit_) return false;
-  const std::optional<Constraint> earlier = graph_.way(nearest, last_revisit_->nearest, kFewSteps),
-                                  recent = graph_.way(last_revisit_->keyframe, keyframe, kFewSteps);
+  const std::optional<Constraint> earlier = graph_.way(revisit.nearest, last_revisit_->nearest, kFewSteps),
+                                  recent = graph_.way(last_revisit_->keyframe, revisit.keyframe, kFewSteps);
   if (!earlier || !recent) return false;
   Constraint between;
-  between.from_to = earlier->from_to.inverse() * graph_.nodes().at(nearest).inverse() *
-                    graph_.nodes().at(keyframe) * recent->from_to.inverse();
+  between.from_to = earlier->from_to.inverse() * graph_.nodes().at(revisit.nearest).inverse() *
+                    graph_.nodes().at(revisit.keyframe) * recent->from_to.inverse();
   between.information = inverse(last_revisit_->covariance);
-  const Matrix6 covariance = inverse(chained(chained(*earlier, between), *recent).information);
-  note_revisit({keyframe, nearest, covariance});
-  return !is_worthwhile(covariance, usual_information_);
+  revisit.covariance = inverse(chained(chained(*earlier, between), *recent).information);
+  note_revisit(revisit);
+  return !is_worthwhile(revisit.covariance, usual_information_);
 }
 
 void Mapper::note_revisit(const Revisit& revisit) {
@@ -193,10 +225,11 @@ void Mapper::take_closure(const ClosureAnswer& answer) {
   const std::optional<Constraint> before = std::exchange(pending_, std::nullopt);
   if (answer.serial != serial_ || !graph_.contains(answer.nearest) || !graph_.contains(answer.keyframe))
     return;
+  const std::uint32_t before_keyframe = std::exchange(pending_keyframe_, answer.nearest_keyframe);
   if (answer.outcome == ClosureOutcome::kPending) pending_ = answer.closure;
   if (answer.outcome == ClosureOutcome::kKnown || answer.outcome == ClosureOutcome::kAccepted) {
-    if (before) note_revisit({before->to, before->from, answer.covariance});
-    note_revisit({answer.keyframe, answer.nearest, answer.covariance});
+    if (before) note_revisit({before->to, before->from, before_keyframe, answer.covariance});
+    note_revisit({answer.keyframe, answer.nearest, answer.nearest_keyframe, answer.covariance});
   }
   if (answer.outcome != ClosureOutcome::kAccepted) return;
   if (before && graph_.contains(before->from) && graph_.contains(before->to)) graph_.connect(*before);
@@ -216,6 +249,11 @@ void Mapper::bend(const ClosureAnswer& answer) {
   std::map<std::uint32_t, Pose> own_from_keyframe;
   for (const auto& [id, pose] : graph_.nodes())
     own_from_keyframe.emplace(id, renormalised(map_from_own.inverse() * pose));
+  const Pose own_from_fixed = map_from_own.inverse() * before;
+  for (const ArchivedKeyframe& k : tracker_.archive().keyframes()) {
+    if (!tracker_.archive().is_fixed(k.id)) break;
+    own_from_keyframe.emplace(k.id, renormalised(own_from_fixed * k.map_from_body));
+  }
   const Pose here = tracker_.own_from_body();
   const bool jumps = !near(before * here, map_from_own * here, kJumpMetres, kJumpRadians);
   tracker_.correct(own_from_keyframe, map_from_own, seen_from_robot(answer.keyframe, answer.drift), jumps);
@@ -269,10 +307,10 @@ SavedMap Mapper::save() const {
   return saved;
 }
 
-void Mapper::load(SavedMap saved) {
+void Mapper::load(SavedMap saved, bool fixed) {
   reset();
   PoseGraph graph;
-  if (!saved.constraints.empty()) {
+  if (!saved.constraints.empty() && !fixed) {
     graph.add(kOriginNode, Pose::Identity());
     std::uint32_t id = 0;
     for (const ArchivedKeyframe& k : saved.keyframes) graph.add(++id, k.map_from_body);
@@ -280,7 +318,11 @@ void Mapper::load(SavedMap saved) {
   }
   const bool whole = graph.is_connected();
   const auto keyframes = static_cast<std::uint32_t>(saved.keyframes.size());
-  tracker_.load(std::move(saved));
+  tracker_.load(std::move(saved), fixed);
+  if (fixed) {
+    known_ = keyframes + 1;
+    return;
+  }
   if (whole && keyframes > 0 && !graph.nodes().empty()) {
     graph_ = std::move(graph);
     known_ = keyframes + 1;

@@ -35,7 +35,8 @@ class MapWorker {
 /// earlier visit saw, the newest keyframe is aligned with what was seen then; two such loop closures in a row
 /// that agree become constraints, and the map is bent to them between two scans. Where it is known how the
 /// two visits lie to each other, the newer keyframes take the place of the older ones, so that the map grows
-/// by new ground alone. As the tracker, a pure function of its state, the scans and the answers.
+/// by new ground alone. Keyframes of a map that is fixed are no nodes: what is tied to them is tied to
+/// kOriginNode. As the tracker, a pure function of its state, the scans and the answers.
 class Mapper {
  public:
   explicit Mapper(const TrackerConfig& config) : tracker_(config) {}
@@ -52,7 +53,8 @@ class Mapper {
   void reset();
   void set_pose(const Pose& map_from_body) { tracker_.set_pose(map_from_body); }
   SavedMap save() const;
-  void load(SavedMap saved);
+  /// `fixed`: the map is right, nothing of it moves or is replaced, and what the robot sees is tied to it.
+  void load(SavedMap saved, bool fixed = false);
   PointCloud map() const { return tracker_.map(); }
 
   /// From now on poses carry a stamp, for which correction() says where the map puts them later.
@@ -60,21 +62,24 @@ class Mapper {
   /// See PoseHistory::correction. The identity where no history is kept.
   Pose correction(std::uint32_t stamp) const;
 
-  /// Its nodes are kOriginNode and the archived keyframes, in the map's frame.
+  /// Its nodes are kOriginNode and the archived keyframes that are not fixed, in the map's frame.
   const PoseGraph& graph() const { return graph_; }
 
  private:
   /// How a keyframe lies to one of an earlier visit.
   struct Revisit {
     std::uint32_t keyframe = 0, nearest = 0;
+    std::uint32_t nearest_keyframe = 0;  ///< as `nearest`, but where that is kOriginNode
     Matrix6 covariance = Matrix6::Zero();
   };
   static constexpr double kAnyClosure = 1e12;  ///< before there was one, each is worth its cost
   void follow_archive();
   void drop_evicted();
   void renew_places();
+  void renew(std::uint32_t id, const Revisit& revisit);
+  void connect_odometry(const ArchivedKeyframe& keyframe);
   std::optional<ClosureRequest> closure_request();
-  bool is_known(std::uint32_t keyframe, std::uint32_t nearest);
+  bool is_known(Revisit revisit);
   void note_revisit(const Revisit& revisit);
   void take_closure(const ClosureAnswer& answer);
   void bend(const ClosureAnswer& answer);
@@ -87,6 +92,7 @@ class Mapper {
   std::int64_t serial_ = 0;
   bool out_ = false;
   std::uint32_t considered_ = 0, asked_ = 0;  ///< the last keyframes that might have been aligned, and were
+  std::uint32_t pending_keyframe_ = 0;        ///< of the earlier visit
   std::optional<Constraint> pending_;         ///< of the keyframe before, until another one agrees
   Matrix6 usual_information_ = kAnyClosure * Matrix6::Identity();  ///< of the last closure
   std::optional<Revisit> last_revisit_;

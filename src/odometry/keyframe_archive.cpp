@@ -147,8 +147,9 @@ void KeyframeArchive::note_stand(const Pose& map_from_body) {
   if (stands.size() < kMostStands && !stands_alike(stands, up)) stands.push_back(up);
 }
 
-void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes) {
+void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes, bool fixed) {
   keyframes_ = std::move(keyframes);
+  fixed_ = fixed ? static_cast<std::uint32_t>(keyframes_.size()) : 0;
   next_id_ = 1;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     keyframes_[i].id = next_id_++;
@@ -162,21 +163,28 @@ void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes) {
   evict();
 }
 
+void KeyframeArchive::remove(std::uint32_t id) {
+  keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(),
+                                  [id](const ArchivedKeyframe& k) { return k.id == id; }),
+                   keyframes_.end());
+  count_points();
+}
+
 void KeyframeArchive::clear() {
   keyframes_.clear();
-  points_ = 0;
+  points_ = fixed_ = 0;
 }
 
 void KeyframeArchive::count_points() {
   points_ = 0;
-  for (const ArchivedKeyframe& k : keyframes_) points_ += k.points->size();
+  for (std::size_t i = fixed_; i < keyframes_.size(); ++i) points_ += keyframes_[i].points->size();
 }
 
 void KeyframeArchive::evict() {
   count_points();
-  std::size_t gone = 0;
+  std::size_t gone = fixed_;  // up to there
   while (points_ > max_points_ && gone + 1 < keyframes_.size()) points_ -= keyframes_[gone++].points->size();
-  keyframes_.erase(keyframes_.begin(), keyframes_.begin() + static_cast<std::ptrdiff_t>(gone));
+  keyframes_.erase(keyframes_.begin() + fixed_, keyframes_.begin() + static_cast<std::ptrdiff_t>(gone));
 }
 
 std::vector<Eigen::Vector3d> stands_around(const std::vector<ArchivedKeyframe>& keyframes,

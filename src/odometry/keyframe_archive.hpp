@@ -43,6 +43,7 @@ struct SavedMap {
   std::vector<ArchivedKeyframe> keyframes;  ///< oldest first
   /// Between keyframes, by their places in the list, from 1 on; 0 is the map's frame. None: it is rigid.
   std::vector<Constraint> constraints = {};
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< in the map's frame; a file does not keep it
 };
 
 /// The same map in another frame, whose z axis must point the same way; the points are shared.
@@ -52,7 +53,7 @@ SavedMap moved(const SavedMap& map, const Pose& there_from_here);
 /// its cap. Copies are cheap: they share the points.
 class KeyframeArchive {
  public:
-  /// `max_points`: over all keyframes; the oldest give way.
+  /// `max_points`: over all keyframes that are not fixed; the oldest give way.
   explicit KeyframeArchive(std::size_t max_points) : max_points_(max_points) {}
 
   /// True where no keyframe of the last minute is within a sixth of `reach` (metres) of `position` (map
@@ -69,9 +70,12 @@ class KeyframeArchive {
   /// The body stood like this: on slopes that differs from one step to the next.
   void note_stand(const Pose& map_from_body);
   /// What was saved. Ids are places in the list, from 1 on; each is tied to the one before, rigidly.
-  void restore(std::vector<ArchivedKeyframe> keyframes);
+  /// `fixed`: they never give way, and do not count for the cap.
+  void restore(std::vector<ArchivedKeyframe> keyframes, bool fixed = false);
+  bool is_fixed(std::uint32_t id) const { return id <= fixed_; }
   /// The keyframe `old` becomes what `newer` is, but for its id; that one goes. Both have to be there.
   void renew(std::uint32_t old, std::uint32_t newer);
+  void remove(std::uint32_t id);
   /// New poses, by id.
   void move(const std::map<std::uint32_t, Pose>& map_from_body);
   void clear();
@@ -92,6 +96,7 @@ class KeyframeArchive {
   void evict();
 
   std::uint32_t next_id_ = 1;
+  std::uint32_t fixed_ = 0;  ///< ids up to there
   std::size_t max_points_, points_ = 0;
   std::vector<ArchivedKeyframe> keyframes_;
 };

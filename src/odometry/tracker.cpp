@@ -476,14 +476,15 @@ SavedMap Tracker::save() const {
                state_->map_from_own);
 }
 
-void Tracker::load(SavedMap saved) {
+void Tracker::load(SavedMap saved, bool fixed) {
   reset();
   State& s = *state_;
   s.epoch = std::max(s.epoch, saved.epoch + 1);
   if (saved.keyframes.empty()) return;
-  s.map_from_own = upright(saved.keyframes.front().map_from_body);
+  const Pose level(level_rotation(saved.up));
+  s.map_from_own = level.inverse() * upright(level * saved.keyframes.front().map_from_body);
   saved = moved(saved, s.map_from_own.inverse());
-  s.archive.restore(std::move(saved.keyframes));
+  s.archive.restore(std::move(saved.keyframes), fixed);
   // What was archived is of an earlier run, whatever the clock of either said.
   s.now = std::min(s.archive.keyframes().back().utime, std::numeric_limits<std::int64_t>::max() / 2) +
           kAnotherRun;
@@ -538,6 +539,10 @@ void Tracker::correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, co
 
 void Tracker::renew(std::uint32_t old, std::uint32_t newer) {
   state_->archive.renew(old, newer);
+}
+
+void Tracker::remove(std::uint32_t keyframe) {
+  state_->archive.remove(keyframe);
 }
 
 const Matrix6& Tracker::drift() const {

@@ -57,8 +57,9 @@ class Tracker {
 
   /// What a later run needs to come back to this map.
   SavedMap save() const;
-  /// Forgets all, and looks for its place in a saved map with the scans to come; a new epoch.
-  void load(SavedMap saved);
+  /// Forgets all, and looks for its place in a saved map with the scans to come; a new epoch. `fixed`: see
+  /// KeyframeArchive::restore.
+  void load(SavedMap saved, bool fixed = false);
 
   /// The map as it stands: points with normals, in the map frame.
   PointCloud map() const;
@@ -82,6 +83,8 @@ class Tracker {
                const Matrix6& drift, bool jumps);
   /// See KeyframeArchive::renew.
   void renew(std::uint32_t old, std::uint32_t newer);
+  /// See KeyframeArchive::remove.
+  void remove(std::uint32_t keyframe);
   void set_drift(const Matrix6& drift);
   const Matrix6& drift() const;
 

@@ -25,7 +25,8 @@ std::string output_of(const TemporaryFolder& folder, const std::vector<std::stri
 
 }  // namespace
 
-TEST_CASE("a replay writes the same bytes on another processor, through a kidnap and the search after it") {
+TEST_CASE("a replay writes the same bytes on another processor, through a kidnap and the search after it" *
+          doctest::test_suite("long drives")) {
   const TemporaryFolder folder;
   const auto digits = [&](const std::string& processor) {
     return output_of(folder, {"env", processor, "awk",

@@ -66,7 +66,8 @@ ClosureRequest two_visits(const Pose& off, double metres, double radians) {
   }
   request.keyframe = request.recent.back();
   request.recent.pop_back();
-  request.nearest = 6;
+  request.nearest = request.nearest_keyframe = 6;
+  request.own_from_nearest = first_visit(6);
   request.voxel = 0.15;
   request.usual.sigma = 0.03;
   request.usual_information = inverse(covariance(1e-6, 1e-6));

@@ -47,7 +47,8 @@ void expect_same(const PoseGraph& graph, const std::vector<ArchivedKeyframe>& ke
 
 }  // namespace
 
-TEST_CASE("round after round the map is one, and its poses are as certain as after the first") {
+TEST_CASE("round after round the map is one, and its poses are as certain as after the first" *
+          doctest::test_suite("long drives")) {
   int delay = 0;  // scans from a request to its answer
   SUBCASE("answered at once") {}
   SUBCASE("answered later") {

@@ -54,7 +54,8 @@ TEST_CASE("who finds nothing, or nothing that convinces, asks ever more seldom b
   }
 }
 
-TEST_CASE("searches take a tenth of a core in the mean, and more at once only while they have saved it") {
+TEST_CASE("searches take a tenth of a core in the mean, and more at once only while they have saved it" *
+          doctest::test_suite("long drives")) {
   for (const double cost_s : {0.1, 0.5, 3.0}) {
     CAPTURE(cost_s);
     const double spent = cost_s * ask(600, true, cost_s).requests;  // a minute

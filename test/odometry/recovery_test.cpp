@@ -83,7 +83,8 @@ TEST_CASE("a kidnapped robot comes back with a certificate and in the same frame
   CHECK(back <= drive.kidnap + 20);
 }
 
-TEST_CASE("what was seen while the robot was lost is part of the map once it is back") {
+TEST_CASE("what was seen while the robot was lost is part of the map once it is back" *
+          doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const Drive drive{60, at(7, 4, 170 * kDegree)};
   FramedTracker tracker(TrackerConfig{}, frame);
@@ -127,7 +128,8 @@ TEST_CASE("a sensor of few points recognises its place as soon") {
   }
 }
 
-TEST_CASE("what one search finds is not believed before another one agrees unless it is clear") {
+TEST_CASE("what one search finds is not believed before another one agrees unless it is clear" *
+          doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const Drive drive{40, at(-5, -1, 100 * kDegree)};
   for (const bool clear : {false, true}) {
@@ -151,7 +153,8 @@ TEST_CASE("what one search finds is not believed before another one agrees unles
   }
 }
 
-TEST_CASE("a robot that was blind is taken back on new ground where it was expected") {
+TEST_CASE("a robot that was blind is taken back on new ground where it was expected" *
+          doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const Drive drive{1000, Pose::Identity()};
   for (const bool contradicted : {false, true}) {
@@ -179,7 +182,8 @@ TEST_CASE("a robot that was blind is taken back on new ground where it was expec
   }
 }
 
-TEST_CASE("a kidnapped robot that sees much new ground is taken back when two searches agree") {
+TEST_CASE("a kidnapped robot that sees much new ground is taken back when two searches agree" *
+          doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const Drive drive{25, at(0, -2, 100 * kDegree)};
   FramedTracker tracker(TrackerConfig{}, frame);
@@ -226,7 +230,8 @@ TEST_CASE("a planar sensor needs four finds that agree and show half of what is 
   }
 }
 
-TEST_CASE("what a finder remembers of other searches changes no answer") {
+TEST_CASE("what a finder remembers of other searches changes no answer" *
+          doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const Drive drive{40, at(-5, -1, 100 * kDegree)};
   FramedTracker tracker(TrackerConfig{}, frame);
@@ -277,7 +282,8 @@ TEST_CASE("a saved map is found again by another run") {
   CHECK(error(drive.pose(0).inverse() * later.pose(34), tracked.map_from_body) < 0.1);
 }
 
-TEST_CASE("a robot that was carried onto a slope is found with an attitude sensor only") {
+TEST_CASE("a robot that was carried onto a slope is found with an attitude sensor only" *
+          doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const Drive drive{
       40, at(-4, 0, -150 * kDegree) * se3_exp((Vector6() << 0, 0, 0, 10 * kDegree, 0, 0).finished())};
@@ -299,7 +305,8 @@ TEST_CASE("a robot that was carried onto a slope is found with an attitude senso
   CHECK(a.epoch == 1);
 }
 
-TEST_CASE("recoveries are the same in every run and for every number of threads") {
+TEST_CASE("recoveries are the same in every run and for every number of threads" *
+          doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const Drive drive{40, at(-5, -1, 100 * kDegree)};
   TrackerConfig one, two;

@@ -118,7 +118,8 @@ TEST_CASE("a drive with motion within the scans is tracked to centimetres with i
   CHECK((tracked.twist - twist(2.0, 0, 0.6)).norm() < 0.1);
 }
 
-TEST_CASE("a pose gets no worse in a known hall, and worse on the way to where nothing is known") {
+TEST_CASE("a pose gets no worse in a known hall, and worse on the way to where nothing is known" *
+          doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const auto sigma = [](const TrackedScan& tracked) {
     return std::sqrt(tracked.covariance.topLeftCorner<3, 3>().trace());
@@ -161,7 +162,7 @@ TEST_CASE("standing still the pose stays where it is") {
   }
 }
 
-TEST_CASE("a start at rest is taken for one") {
+TEST_CASE("a start at rest is taken for one" * doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   constexpr unsigned kStarts = 15;
   double drift = 0;  // metres in a second: that of the first scan's motion, were there one
@@ -417,7 +418,8 @@ TEST_CASE("what a cover hid does not surprise when it is taken away") {
   }
 }
 
-TEST_CASE("in a tunnel the robot goes on as it came, and says that it does not see how far") {
+TEST_CASE("in a tunnel the robot goes on as it came, and says that it does not see how far" *
+          doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const double speed = 8;
   const auto way = [&](double t) { return t < 4 ? t * t : 16 + speed * (t - 4); };
@@ -432,7 +434,7 @@ TEST_CASE("in a tunnel the robot goes on as it came, and says that it does not s
   CHECK(std::sqrt(tracked.covariance(0, 0)) > 0.3);  // metres: it knows that it does not know
 }
 
-TEST_CASE("in a tunnel odometry says how far the robot went") {
+TEST_CASE("in a tunnel odometry says how far the robot went" * doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   // It brakes where nothing shows it, and stands.
   const auto way = [](double t) {
@@ -451,7 +453,8 @@ TEST_CASE("in a tunnel odometry says how far the robot went") {
   CHECK(std::abs(tracked.twist[0]) < 0.2);
 }
 
-TEST_CASE("a scan of which the map knows little is tracked, and said to be so") {
+TEST_CASE("a scan of which the map knows little is tracked, and said to be so" *
+          doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   // Not every one is: from many starts six in ten are, and most of those robots are well again soon. Which
   // they are hangs on the last bits of the points.
