@@ -28,8 +28,8 @@ constexpr float kStep = 0.4F;         // metres from one cell of a floor to the 
 constexpr double kLeastFloor = 0.05;  // of the widest one: what is less is a roof or a table
 constexpr double kRows = 40, kTurn = 180;  // rays, from 40 degrees below the horizon to 40 above, and around
 constexpr double kSteepest = 40 * kDegree;
-constexpr double kLevel = 8 * kDegree;   // rays flatter than this tell the reach
-constexpr std::size_t kLeastSeen = 200;  // points: from there a place can be told
+constexpr double kLevel = 8 * kDegree;  // rays flatter than this tell the reach
+constexpr std::size_t kLeastSeen = 50;  // points that stand on the floor: a roof and a bare field have none
 
 using Cell = std::pair<int, int>;
 
@@ -102,7 +102,7 @@ std::vector<std::uint32_t> wide_floors(const Floor& floor) {
 
 /// Whether an eye there has the width of a robot around it.
 bool is_free(const SolidCloud& solid, const Eigen::Vector3f& eye) {
-  constexpr float step = 0.2F;
+  constexpr float step = 0.3F;  // metres
   for (int x = -1; x <= 1; ++x)
     for (int y = -1; y <= 1; ++y)
       if (solid.is_solid(eye + step * Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), 0)))
@@ -125,6 +125,7 @@ std::vector<Eigen::Vector3f> ray_directions() {
 struct View {
   PointCloud points;  // relative to the eye
   double reach = 0;
+  std::size_t standing = 0;  // points above the middle between eye and floor
 };
 
 View seen_from(const SolidCloud& solid, const Eigen::Vector3f& eye, const std::vector<Eigen::Vector3f>& rays,
@@ -141,7 +142,10 @@ View seen_from(const SolidCloud& solid, const Eigen::Vector3f& eye, const std::v
   std::sort(hits.begin(), hits.end());
   hits.erase(std::unique(hits.begin(), hits.end()), hits.end());
   View view;
-  for (const std::uint32_t i : hits) view.points.push_back(solid.points().point(i) - eye);
+  for (const std::uint32_t i : hits) {
+    view.points.push_back(solid.points().point(i) - eye);
+    view.standing += view.points.z.back() > -0.5F * kEye ? 1 : 0;
+  }
   if (ranges.empty()) return view;
   const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
   std::nth_element(ranges.begin(), middle, ranges.end());
@@ -201,7 +205,7 @@ SavedMap map_of_cloud(const PointCloud& cloud, const CloudMapOptions& options,
     const Eigen::Vector3f eye = floor.places[place] + kEye * Eigen::Vector3f::UnitZ();
     if (!is_free(solid, eye) || eyes.cover(solid, eye)) continue;
     const View view = seen_from(solid, eye, rays, range);
-    if (view.points.size() < kLeastSeen) continue;
+    if (view.standing < kLeastSeen) continue;
     eyes.add(eye, view.reach);
     Pose map_from_eye = Pose(level.transpose());
     map_from_eye.translation() = level.transpose() * eye.cast<double>();
@@ -212,7 +216,7 @@ SavedMap map_of_cloud(const PointCloud& cloud, const CloudMapOptions& options,
   map.keyframes = archive.keyframes();
   if (map.keyframes.empty())
     throw CloudMapError("no floor in it that a robot could stand on and see " + std::to_string(kLeastSeen) +
-                        " points from; is up another axis (map.up)?");
+                        " points of what stands there; is up another axis (map.up)?");
   map.last_pose = map.keyframes.front().map_from_body;
   map.up = options.up.normalized();
   for (const ArchivedKeyframe& k : map.keyframes)

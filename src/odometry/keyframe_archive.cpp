@@ -163,6 +163,15 @@ void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes, bool fixe
   evict();
 }
 
+void KeyframeArchive::sign(const Eigen::Vector3d& up, bool planar) {
+  const Eigen::Matrix3d level = level_rotation(up);
+  for (ArchivedKeyframe& k : keyframes_) {
+    if (k.signature) continue;
+    const Eigen::Matrix3f turn = (level * k.map_from_body.linear()).cast<float>();
+    k.signature = std::make_shared<const PlaceSignature>(*k.points, turn, planar);
+  }
+}
+
 void KeyframeArchive::remove(std::uint32_t id) {
   keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(),
                                   [id](const ArchivedKeyframe& k) { return k.id == id; }),

@@ -18,7 +18,8 @@ constexpr double kSourceReach = 5.6;  // of the scene's size, radius of what is 
 constexpr double kVoxel = 0.0675;     // of the scene's size
 // What looks alike on one scale seldom does so on another.
 constexpr std::array<double, 3> kScales = {1.0, 1.35, 0.75};
-constexpr double kStandReach = 20.0;  // metres
+constexpr double kSignatureReach = 60.0;  // metres
+constexpr double kStandReach = 20.0;      // metres
 // Where the body stood in many ways it stands in others, too. A search that allows for them takes several
 // times as long.
 constexpr std::size_t kManyStands = 4;
@@ -37,8 +38,9 @@ Eigen::Vector3d nearest_place(const KeyframeArchive& archive, const Eigen::Vecto
 
 }  // namespace
 
-void PlaceSearch::begin(const Eigen::Vector3d& anchor) {
+void PlaceSearch::begin(const std::optional<Eigen::Vector3d>& anchor) {
   anchor_ = anchor;
+  others_.clear();
   attempts_ = turn_ = 0;
   careful_ = false;
   round_ = 2;
@@ -50,20 +52,28 @@ void PlaceSearch::begin_anew() {
 }
 
 std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excursion& excursion,
-                                                 const KeyframeArchive& archive,
+                                                 KeyframeArchive& archive,
                                                  const std::optional<Eigen::Vector3d>& up) {
   if (!has_credit(utime) || out_ || archive.empty() || excursion.scans() < scans_wanted_) return std::nullopt;
-  const std::vector<Eigen::Vector3d> others = other_centres(archive);
-  round_ = 2 * (1 + static_cast<int>(others.size()));
-  const int turn = turn_ % round_;
-  const bool here = turn < 2 || turn % 2 == 1;
-
   RecoveryRequest request;
   request.serial = ++serial_;
   request.utime = utime;
+  request.up = up.value_or(Eigen::Vector3d::UnitZ());
+  request.body_up = excursion.state().pose.linear().col(2);
+  if (others_.empty() || turn_ % round_ == 0) {
+    archive.sign(request.up, excursion.planar());
+    const Eigen::Matrix3f level = level_rotation(request.body_up).cast<float>();
+    Eigen::Vector3d centre;
+    others_ = other_centres(
+        archive, PlaceSignature(excursion.submap(kSignatureReach, centre), level, excursion.planar()));
+  }
+  const auto others = static_cast<int>(others_.size());
+  round_ = anchor_ ? 2 * (1 + others) : others;
+  const int turn = turn_ % round_;
+  const bool here = anchor_ && (turn < 2 || turn % 2 == 1);
+  const int other = anchor_ ? turn / 2 - 1 : turn;
   // The centre is where a sensor was, so that what it saw through is known to be empty.
-  request.target_centre =
-      nearest_place(archive, here ? anchor_ : others[static_cast<std::size_t>(turn / 2 - 1)]);
+  request.target_centre = nearest_place(archive, here ? *anchor_ : others_[static_cast<std::size_t>(other)]);
   const double scene =
       kScales[static_cast<std::size_t>(attempts_) % kScales.size()] * archive.scene(request.target_centre);
   request.source_radius = kSourceReach * scene;
@@ -71,14 +81,13 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
   request.voxel = kVoxel * scene;
   request.places = archive.keyframes();
   request.source = excursion.submap(request.source_radius, request.source_centre);
-  request.up = up.value_or(Eigen::Vector3d::UnitZ());
   // A measured attitude goes for every place. Every other round does without: what accelerates measures
   // badly.
   if (up && (turn_ / round_) % 2 == 0) request.source_up = excursion.up();
-  request.body_up = excursion.state().pose.linear().col(2);
   if (!request.source_up) request.stands = stands_around(request.places, request.target_centre, kStandReach);
   rough_ = request.stands.size() > kManyStands;
   request.tilt = rough_ && careful_ ? kRoughTilt : kTilt;
+  elsewhere_ = !here;
   out_ = true;
   void_ = false;
   scans_asked_ = excursion.scans();
@@ -94,7 +103,7 @@ bool PlaceSearch::has_credit(std::int64_t utime) {
   return credit_s_ > 0;
 }
 
-bool PlaceSearch::take(std::int64_t serial, bool found, double cost_s) {
+bool PlaceSearch::take(std::int64_t serial, bool found, bool little, double cost_s) {
   if (!out_ || serial != serial_) return false;
   credit_s_ -= cost_s;
   out_ = false;
@@ -102,27 +111,29 @@ bool PlaceSearch::take(std::int64_t serial, bool found, double cost_s) {
   const bool again = rough_ && !careful_ && !found;  // with care
   careful_ = careful_ || again;
   if (!again) ++attempts_;
-  if (again || found) {
+  if (again || found)
     scans_wanted_ = std::min(scans_wanted_, scans_asked_ + kSecondLook + attempts_ / kLooksAScan);
-  } else {
-    ++turn_;
-  }
+  if (!again && (!found || (elsewhere_ && little))) ++turn_;
   return true;
 }
 
-std::vector<Eigen::Vector3d> PlaceSearch::other_centres(const KeyframeArchive& archive) const {
+std::vector<Eigen::Vector3d> PlaceSearch::other_centres(const KeyframeArchive& archive,
+                                                        const PlaceSignature& seen) const {
+  std::vector<std::pair<double, Eigen::Vector3d>> places;
+  for (const ArchivedKeyframe& k : archive.keyframes())
+    places.emplace_back(-seen.similarity(*k.signature), k.map_from_body.translation());
+  const auto away = [&](const Eigen::Vector3d& place) { return anchor_ ? (place - *anchor_).norm() : 0.0; };
+  std::stable_sort(places.begin(), places.end(), [&](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : away(a.second) < away(b.second);
+  });
   std::vector<Eigen::Vector3d> centres;
   const auto covered = [&](const Eigen::Vector3d& place) {
-    if ((place - anchor_).norm() < 0.7 * kOffset) return true;
+    if (anchor_ && away(place) < 0.7 * kOffset) return true;
     return std::any_of(centres.begin(), centres.end(),
                        [&](const Eigen::Vector3d& c) { return (place - c).norm() < kOffset; });
   };
-  for (const ArchivedKeyframe& k : archive.keyframes()) {
-    if (!covered(k.map_from_body.translation())) centres.push_back(k.map_from_body.translation());
-  }
-  std::stable_sort(centres.begin(), centres.end(), [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-    return (a - anchor_).norm() < (b - anchor_).norm();
-  });
+  for (const auto& [unlike, place] : places)
+    if (!covered(place)) centres.push_back(place);
   return centres;
 }
 

@@ -12,15 +12,15 @@
 namespace scanlock {
 
 /// The order in which a lost robot looks for its place: around where it was last believed to be, again when
-/// it has seen more, and from then on by turns there and everywhere else it has been, the nearest first, on
-/// and on with ever longer pauses.
+/// it has seen more, and from then on by turns there and everywhere else it has been, first where it looks
+/// most like what was seen since, on and on with ever longer pauses.
 class PlaceSearch {
  public:
   /// `cores`: of the CPU, what searches may take in the mean of half a minute.
   explicit PlaceSearch(double cores) : cores_(cores), credit_s_(kWindow * cores) {}
 
-  /// The robot was lost at `anchor` (map frame).
-  void begin(const Eigen::Vector3d& anchor);
+  /// The robot was lost at `anchor` (map frame); none: nobody knows where.
+  void begin(const std::optional<Eigen::Vector3d>& anchor);
   /// What it has seen so far is void: the next request waits for more, and the answer to an earlier one is
   /// too late.
   void begin_anew();
@@ -28,31 +28,34 @@ class PlaceSearch {
   /// The next request, when enough was seen for it and none is out. `up`: in the map frame, where that was
   /// measured.
   std::optional<RecoveryRequest> next(std::int64_t utime, const Excursion& excursion,
-                                      const KeyframeArchive& archive,
-                                      const std::optional<Eigen::Vector3d>& up);
+                                      KeyframeArchive& archive, const std::optional<Eigen::Vector3d>& up);
   /// The answer to a request came in, and cost so many seconds; false when it is too late. Where there is
-  /// something the next look, of another scale, is at the same part of the map, and soon.
-  bool take(std::int64_t serial, bool found, double cost_s);
+  /// something the next look, of another scale, is soon, and at the same part of the map, unless that was
+  /// only chosen for its likeness and shows `little` of what was seen.
+  bool take(std::int64_t serial, bool found, bool little, double cost_s);
   bool looked_everywhere() const { return turn_ >= 2 && turn_ >= round_; }
 
  private:
-  std::vector<Eigen::Vector3d> other_centres(const KeyframeArchive& archive) const;
+  std::vector<Eigen::Vector3d> other_centres(const KeyframeArchive& archive,
+                                             const PlaceSignature& seen) const;
 
   bool has_credit(std::int64_t utime);
 
   static constexpr double kWindow = 30;  ///< seconds
   double cores_, credit_s_;              ///< the latter of CPU; below 0 no search begins
   std::int64_t credited_utime_ = 0;      ///< up to when
-  Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Vector3d> anchor_;
+  std::vector<Eigen::Vector3d> others_;  ///< other places, in the order in which they are looked at
   std::int64_t serial_ = 0;
   bool out_ = false, void_ = false;
-  int attempts_ = 0;      ///< answered since the robot was lost
-  bool rough_ = false;    ///< the request: the ground may make the body stand in ways it never did there
-  bool careful_ = false;  ///< a search that does not allow for that has found nothing
-  int turn_ = 0;          ///< parts of the map done with
-  int round_ = 2;         ///< turns that look everywhere once
-  int scans_asked_ = 0;   ///< that the excursion had at the last request,
-  int scans_wanted_ = 0;  ///< and has to have for the next one
+  int attempts_ = 0;        ///< answered since the robot was lost
+  bool elsewhere_ = false;  ///< the request: away from the anchor
+  bool rough_ = false;      ///< the request: the ground may make the body stand in ways it never did there
+  bool careful_ = false;    ///< a search that does not allow for that has found nothing
+  int turn_ = 0;            ///< parts of the map done with
+  int round_ = 2;           ///< turns that look everywhere once
+  int scans_asked_ = 0;     ///< that the excursion had at the last request,
+  int scans_wanted_ = 0;    ///< and has to have for the next one
 };
 
 }  // namespace scanlock

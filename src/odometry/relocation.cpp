@@ -51,7 +51,8 @@ void Relocation::begin(const Odometer& odometer, const std::optional<Sighting>& 
   scans_ = 0;
   state_ = archive.empty() ? TrackingState::kLost : TrackingState::kRecovering;
   last_seen_ = last_seen;
-  search_.begin(odometer.state().pose.translation());
+  search_.begin(last_seen ? std::optional<Eigen::Vector3d>(odometer.state().pose.translation())
+                          : std::nullopt);
 }
 
 void Relocation::end() {
@@ -172,7 +173,7 @@ Recovery Relocation::recovery_of(const RecoveryAnswer& answer) const {
   return recovery;
 }
 
-std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, const KeyframeArchive& archive,
+std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, KeyframeArchive& archive,
                                                         const std::optional<Eigen::Vector3d>& up) {
   if (!lost_ || !excursion_ || candidate_) return std::nullopt;
   std::optional<RecoveryRequest> request = search_.next(utime, *excursion_, archive, up);
@@ -183,7 +184,8 @@ std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, cons
 void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
                       Odometer& odometer) {
   const bool found = answer.verdict == PlaceVerdict::kFound;
-  if (!search_.take(answer.serial, found, answer.cost_s) || !lost_ || !excursion_) return;
+  const bool little = answer.evidence == PlaceEvidence::kLittle;
+  if (!search_.take(answer.serial, found, little, answer.cost_s) || !lost_ || !excursion_) return;
   nothing_found_ = !found;
   if (!found) {
     if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
@@ -195,11 +197,11 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   const auto agreeing = std::count_if(earlier_finds_.begin(), earlier_finds_.end(), [&](const Pose& other) {
     return agree(other, answer.map_from_predicted, kSamePlace, kSameHeading);
   });
-  const bool little = planar && answer.evidence == PlaceEvidence::kLittle;
-  const bool enough = planar ? !little && agreeing >= kPlanarAgreeing : clear || agreeing >= kAgreeing;
+  const bool too_little = planar && little;
+  const bool enough = planar ? !too_little && agreeing >= kPlanarAgreeing : clear || agreeing >= kAgreeing;
   std::vector<Pose> places = rivals_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
-  if (!little) earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);
+  if (!too_little) earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);
   earlier_finds_.resize(std::min(earlier_finds_.size(), kMostPlaces));
   if (!enough) {
     ended_ = recovery_of(answer);

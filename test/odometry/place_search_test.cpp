@@ -36,7 +36,7 @@ Asked ask(unsigned scans, bool found, double cost_s = 0) {
     if (!request) continue;
     if (++asked.requests > 1) asked.longest_pause = std::max(asked.longest_pause, static_cast<int>(i - last));
     last = i;
-    REQUIRE(search.take(request->serial, found, cost_s));
+    REQUIRE(search.take(request->serial, found, false, cost_s));
   }
   return asked;
 }
@@ -62,4 +62,45 @@ TEST_CASE("searches take a tenth of a core in the mean, and more at once only wh
     CHECK(spent < 0.1 * 60 + 3 + cost_s);
     CHECK(spent > 0.1 * 60 - cost_s);
   }
+}
+
+TEST_CASE("a robot that nobody has seen is looked for first where it looks most alike, and elsewhere next") {
+  const TrackerConfig config;
+  PreparedHall hall(config);
+  Excursion excursion(config, 0, hall.scan(0), {});
+  KeyframeArchive archive(10000000);
+  std::vector<ArchivedKeyframe> places;
+  for (int i = 0; i < 5; ++i) {  // rooms that grow, of which the fourth is the hall
+    Pose there = Pose::Identity();
+    there.translation().x() = 100.0 * i;
+    PointCloud room = hall_map();
+    const float scale = 0.25F * static_cast<float>(i + 1);
+    for (std::size_t p = 0; p < room.size(); ++p) {
+      room.x[p] *= scale;
+      room.y[p] *= scale;
+    }
+    places.push_back(archived(there, room));
+  }
+  archive.restore(std::move(places));
+  PlaceSearch search(1.0);
+  search.begin(std::nullopt);
+  search.begin_anew();
+  const auto ask_for = [&](unsigned first) {
+    for (unsigned i = first; i < first + 100; ++i) {
+      excursion.follow(100000 * i, 0.1, hall.scan(1));
+      if (auto request = search.next(100000 * i, excursion, archive, std::nullopt)) return request;
+    }
+    return std::optional<RecoveryRequest>();
+  };
+  auto request = ask_for(1);
+  REQUIRE(request);
+  CHECK(request->target_centre.x() == 300);
+  REQUIRE(search.take(request->serial, true, false, 0));
+  request = ask_for(101);  // what was found is looked at again
+  REQUIRE(request);
+  CHECK(request->target_centre.x() == 300);
+  REQUIRE(search.take(request->serial, true, true, 0));
+  request = ask_for(201);  // but little of what was seen is there
+  REQUIRE(request);
+  CHECK(request->target_centre.x() != 300);
 }

@@ -1,0 +1,65 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/place_signature.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "geometry/angles.hpp"
+#include "geometry/elementary.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr double kNearest = 1.0, kFarthest = 60.0;  // metres, of the rings, whose widths grow with the range
+constexpr float kAbove = 0.5F;                      // metres: higher than the sensor
+constexpr float kSteepest = 0.3F;                   // of the range: no sensor sees much higher
+constexpr double kBeside = 0.6;                     // of a cell's value its neighbours have at least
+
+}  // namespace
+
+PlaceSignature::PlaceSignature(const PointCloud& points, const Eigen::Matrix3f& level, bool planar) {
+  std::array<double, kCells> counts{}, wide{};
+  const double rings = static_cast<double>(kRings) / log(kFarthest / kNearest);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p = level * points.point(i);
+    const double range = static_cast<double>(p.head<2>().norm());
+    if (!(range >= kNearest && range < kFarthest)) continue;
+    if (!planar && (p.z() < kAbove || p.z() > kSteepest * static_cast<float>(range))) continue;
+    const auto ring = static_cast<std::size_t>(rings * log(range / kNearest));
+    const double turn = atan2(static_cast<double>(p.y()), static_cast<double>(p.x())) / (2 * kPi) + 0.5;
+    const auto sector = static_cast<std::size_t>(turn * static_cast<double>(kSectors));
+    counts[std::min(sector, kSectors - 1) * kRings + std::min(ring, kRings - 1)] += 1;
+  }
+  for (double& count : counts) count = std::sqrt(count);
+  for (std::size_t sector = 0; sector < kSectors; ++sector) {
+    const std::size_t before = (sector + kSectors - 1) % kSectors, after = (sector + 1) % kSectors;
+    for (std::size_t ring = 0; ring < kRings; ++ring) {
+      double beside = std::max(counts[before * kRings + ring], counts[after * kRings + ring]);
+      if (ring > 0) beside = std::max(beside, counts[sector * kRings + ring - 1]);
+      if (ring + 1 < kRings) beside = std::max(beside, counts[sector * kRings + ring + 1]);
+      wide[sector * kRings + ring] = std::max(counts[sector * kRings + ring], kBeside * beside);
+    }
+  }
+  double sum = 0;
+  for (std::size_t i = 0; i < kCells; ++i) {
+    cells_[i] = cells_[i + kCells] = static_cast<std::int16_t>(std::lround(std::min(16 * wide[i], 1000.0)));
+    sum += static_cast<double>(cells_[i]) * cells_[i];
+  }
+  norm_ = std::sqrt(sum);
+}
+
+double PlaceSignature::similarity(const PlaceSignature& other) const {
+  if (!(norm_ > 0 && other.norm_ > 0)) return 0;
+  std::int32_t most = 0;
+  for (std::size_t turn = 0; turn < kCells; turn += kRings) {
+    std::int32_t sum = 0;  // exact: the result depends on no order
+    for (std::size_t i = 0; i < kCells; ++i)
+      sum += static_cast<std::int32_t>(cells_[i]) * static_cast<std::int32_t>(other.cells_[turn + i]);
+    most = std::max(most, sum);
+  }
+  return static_cast<double>(most) / (norm_ * other.norm_);
+}
+
+}  // namespace scanlock

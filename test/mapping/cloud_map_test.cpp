@@ -1,0 +1,163 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "mapping/cloud_map.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "geometry/moved_cloud.hpp"
+#include "mapping/seen_from.hpp"
+
+namespace scanlock {
+namespace {
+
+/// A rectangle of points, `spacing` metres apart but for as much noise.
+void add_rectangle(const Eigen::Vector3f& corner, const Eigen::Vector3f& u, const Eigen::Vector3f& v,
+                   float spacing, PointCloud* cloud) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  const auto count = static_cast<std::size_t>(u.norm() * v.norm() / (spacing * spacing));
+  for (std::size_t i = 0; i < count; ++i)
+    cloud->push_back(corner + uniform(random) * u + uniform(random) * v);
+}
+
+/// Two rooms of 8 x 6 m beside each other, 2.5 m high, without a door: x from 0 to 8 and from 8 to 16. A
+/// table stands in the first one.
+PointCloud two_rooms(float spacing) {
+  PointCloud cloud;
+  const Eigen::Vector3f x(16, 0, 0), y(0, 6, 0), z(0, 0, 2.5F);
+  add_rectangle({0, 0, 0}, x, y, spacing, &cloud);
+  add_rectangle({0, 0, 2.5F}, x, y, spacing, &cloud);
+  add_rectangle({0, 0, 0}, x, z, spacing, &cloud);
+  add_rectangle({0, 6, 0}, x, z, spacing, &cloud);
+  for (const float wall : {0.0F, 8.0F, 16.0F}) add_rectangle({wall, 0, 0}, y, z, spacing, &cloud);
+  add_rectangle({3, 2, 0.75F}, {1, 0, 0}, {0, 1, 0}, spacing, &cloud);
+  return cloud;
+}
+
+}  // namespace
+
+TEST_CASE("rays end at the first surface, whatever its points lie apart, and pass where there is none") {
+  for (const float spacing : {0.05F, 0.1F, 0.2F}) {
+    CAPTURE(spacing);
+    PointCloud cloud;
+    add_rectangle({5, -5, -5}, {0, 10, 0}, {0, 0, 10}, spacing, &cloud);
+    add_rectangle({7, -5, -5}, {0, 10, 0}, {0, 0, 10}, spacing, &cloud);
+    const SolidCloud solid(cloud, 0.1F);
+    int rays = 0, first = 0;
+    for (float y = -0.6F; y < 0.6F; y += 0.031F) {
+      for (float z = -0.6F; z < 0.6F; z += 0.037F) {
+        const Eigen::Vector3f way = Eigen::Vector3f(1, y, z).normalized();
+        const auto hit = solid.hit({0.01F, 0.02F, 0.03F}, way, 50);
+        ++rays;
+        if (!hit) continue;
+        const Eigen::Vector3f there = solid.points().point(*hit);
+        if (there.x() < 6) ++first;
+        CHECK(there.cross(way).norm() < 1.0F);  // at the ray
+        CHECK_FALSE(solid.hit({0.01F, 0.02F, 0.03F}, -way, 50));
+        CHECK_FALSE(solid.hit({0.01F, 0.02F, 0.03F}, way, 4));
+      }
+    }
+    CHECK(first > 0.95 * rays);
+  }
+}
+
+TEST_CASE("a ray meets what it would meet voxel by voxel") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(-6, 6);
+  PointCloud cloud;
+  for (int i = 0; i < 60; ++i) cloud.push_back(uniform(random), uniform(random), uniform(random));
+  const SolidCloud solid(cloud, 0.5F);  // few points: they hide their own voxels only
+  int hits = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector3f eye(uniform(random), uniform(random), uniform(random));
+    const Eigen::Vector3f way =
+        Eigen::Vector3f(uniform(random), uniform(random), uniform(random)).normalized();
+    const auto hit = solid.hit(eye, way, 20);
+    std::optional<float> first;  // metres, by small steps, outside of the voxel of the eye
+    for (float t = 0; t < 20 && !first; t += 0.002F) {
+      const Eigen::Vector3f at = eye + t * way;
+      const bool same = ((at / 0.5F).array().floor() == (eye / 0.5F).array().floor()).all();
+      if (!same && solid.is_solid(at)) first = t;
+    }
+    if (hit) ++hits;
+    // Steps pass over corners that the ray cuts by less.
+    if (first) REQUIRE(hit);
+    if (!hit || !first) continue;
+    const Eigen::Vector3f inside = eye + (*first + 0.001F) * way;
+    CHECK((solid.points().point(*hit) - inside).cwiseAbs().maxCoeff() <= 0.55F);
+  }
+  CHECK(hits > 50);
+}
+
+TEST_CASE("in a bare cloud keyframes stand in rooms, see their walls and none of the next room") {
+  for (const double heading : {0.0, 0.4}) {
+    Vector6 xi;
+    xi << 100, -50, 3, 0, 0, heading;
+    const Pose frame = se3_exp(xi);
+    const SavedMap map = map_of_cloud(moved(two_rooms(0.05F), frame), {});
+    REQUIRE(map.keyframes.size() >= 2);
+    CHECK(map.keyframes.size() < 200);
+    int left = 0, right = 0;
+    for (const ArchivedKeyframe& k : map.keyframes) {
+      const Pose room_from_eye = frame.inverse() * k.map_from_body;
+      const Eigen::Vector3d eye = room_from_eye.translation();
+      CHECK(eye.x() > 0);
+      CHECK(eye.x() < 16);
+      CHECK(eye.y() > 0);
+      CHECK(eye.y() < 6);
+      CHECK(eye.z() > 0.5);  // neither below the floor nor above the ceiling
+      CHECK(eye.z() < 2.5);
+      ++(eye.x() < 8 ? left : right);
+      std::size_t through = 0;
+      for (std::size_t i = 0; i < k.points->size(); ++i) {
+        const double x = (room_from_eye * k.points->point(i).cast<double>()).x();
+        if (eye.x() < 8 ? x > 8.3 : x < 7.7) ++through;
+      }
+      CHECK(static_cast<double>(through) < 0.05 * static_cast<double>(k.points->size()));
+      CHECK(k.reach > 0.5F);
+      CHECK(k.reach < 8);
+    }
+    CHECK(left > 0);
+    CHECK(right > 0);
+    CHECK(map.constraints.size() == map.keyframes.size());
+  }
+}
+
+TEST_CASE("up may be any axis, and where nobody could stand the error says so") {
+  Eigen::Matrix3d turn;  // y is up
+  turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  CloudMapOptions options;
+  options.up = turn * Eigen::Vector3d::UnitZ();
+  const SavedMap map = map_of_cloud(moved(two_rooms(0.05F), Pose(turn)), options);
+  REQUIRE_FALSE(map.keyframes.empty());
+  for (const ArchivedKeyframe& k : map.keyframes) {
+    CHECK(k.map_from_body.linear().col(2).isApprox(options.up, 1e-9));
+    CHECK((turn.transpose() * k.map_from_body.translation()).z() < 2.5);
+  }
+  CHECK_THROWS_AS(map_of_cloud({}, {}), CloudMapError);
+  PointCloud dot;
+  for (int i = 0; i < 100; ++i) dot.push_back(1, 2, 3);
+  CHECK_THROWS_AS(map_of_cloud(dot, {}), CloudMapError);
+  PointCloud broken = two_rooms(0.1F);
+  broken.push_back(std::nanf(""), 0, 0);
+  broken.push_back(0, std::numeric_limits<float>::infinity(), 0);
+  CHECK_FALSE(map_of_cloud(broken, {}).keyframes.empty());
+}
+
+TEST_CASE("the cloud of a map is what its keyframes saw, in the map's frame") {
+  const SavedMap map = map_of_cloud(two_rooms(0.05F), {});
+  const PointCloud cloud = cloud_of_map(map, 0.1F);
+  CHECK(cloud.size() > 2000);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    REQUIRE(cloud.x[i] > -0.1F);
+    REQUIRE(cloud.x[i] < 16.1F);
+    REQUIRE(cloud.z[i] > -0.1F);
+    REQUIRE(cloud.z[i] < 2.6F);
+  }
+}
+
+}  // namespace scanlock

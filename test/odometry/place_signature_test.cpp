@@ -1,0 +1,60 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/place_signature.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "geometry/moved_cloud.hpp"
+#include "room.hpp"
+
+namespace scanlock {
+namespace {
+
+const Eigen::Matrix3f kLevel = Eigen::Matrix3f::Identity();
+
+/// Walls of a rectangle about the sensor, and a floor.
+PointCloud walls(float length, float width) {
+  PointCloud cloud;
+  for (float t = -1; t < 1; t += 0.01F) {
+    for (float z = -1; z < 1.5F; z += 0.1F) {
+      for (const float side : {-1.0F, 1.0F}) {
+        cloud.push_back(t * length, side * width, z);
+        cloud.push_back(side * length, t * width, z);
+      }
+    }
+    for (float s = -1; s < 1; s += 0.02F) cloud.push_back(t * length, s * width, -1);
+  }
+  return cloud;
+}
+
+PointCloud turned(const PointCloud& cloud, double radians, double x) {
+  Vector6 xi;
+  xi << x, 0, 0, 0, 0, radians;
+  return moved(cloud, se3_exp(xi));
+}
+
+}  // namespace
+
+TEST_CASE("a place looks like itself from near by and at any heading, and less like another one") {
+  const PlaceSignature here(walls(12, 5), kLevel, false), other(walls(7, 7), kLevel, false);
+  CHECK(here.similarity(here) == doctest::Approx(1.0));
+  for (const double heading : {0.5, 1.7, -2.9}) {
+    const PlaceSignature same(turned(walls(12, 5), heading, 0), kLevel, false);
+    const PlaceSignature near(turned(walls(12, 5), heading, 0.7), kLevel, false);
+    CHECK(here.similarity(same) > 0.9);
+    CHECK(here.similarity(near) > here.similarity(other) + 0.1);
+  }
+}
+
+TEST_CASE("what is lower than the sensor has no say, but of a planar one, and nothing is like nothing") {
+  PointCloud low;
+  for (float x = 2; x < 10; x += 0.1F) low.push_back(x, 1, -0.2F);
+  const PlaceSignature none(low, kLevel, false), all(low, kLevel, true);
+  CHECK(none.similarity(none) == 0);
+  CHECK(all.similarity(all) == doctest::Approx(1.0));
+  CHECK(all.similarity(none) == 0);
+}
+
+}  // namespace scanlock
