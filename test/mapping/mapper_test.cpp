@@ -140,6 +140,31 @@ TEST_CASE("what the poses of a saved map are known to, and what closed its loops
   CHECK(rigid.diagonal().maxCoeff() < 1e-2);
 }
 
+TEST_CASE("a map that is fixed stays as it is, gets no larger by revisits, and ties the robot to its frame") {
+  Mapper mapper(forgetful());
+  for (int i = 0; i < 90; ++i) mapper.track(seen(i));  // round the hall
+  const SavedMap saved = mapper.save();
+  const std::size_t known = saved.keyframes.size();
+  Mapper other(forgetful());
+  other.load(saved, true);
+  CHECK(other.graph().nodes().empty());
+  std::size_t most = 0;
+  TrackedScan tracked;
+  for (int i = 0; i < 700; ++i) {
+    tracked = other.track(seen(i));
+    if (auto request = other.take_request()) other.give(MapWorker(forgetful()).work(*request));
+    if (i > 300) most = std::max(most, other.graph().nodes().size());
+  }
+  CHECK(tracked.state == TrackingState::kTracking);
+  CHECK(tracked.loop_closures > 0);
+  CHECK(near(tracked.map_from_body, around(0).inverse() * around(699), 0.05, 0.01));
+  CHECK(most < known + 20);  // keyframes that go on in known ground are dropped a reach behind the robot
+  const SavedMap after = other.save();
+  REQUIRE(after.keyframes.size() >= known);
+  for (std::size_t k = 0; k < known; ++k)
+    CHECK(near(after.keyframes[k].map_from_body, saved.keyframes[k].map_from_body, 1e-6, 1e-6));
+}
+
 TEST_CASE("a map that was saved is one graph again, and a reset leaves none") {
   Mapper mapper(forgetful());
   for (int i = 0; i < 40; ++i) mapper.track(seen(i));

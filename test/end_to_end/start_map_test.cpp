@@ -1,0 +1,112 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <filesystem>
+
+#include "daemon/map_file.hpp"
+#include "io/cloud_file.hpp"
+#include "io/trajectory.hpp"
+#include "process.hpp"
+
+using namespace scanlock;
+using namespace scanlock::test;
+
+namespace {
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// Greatest distance of poses to those of the same stamps, metres; of the last `count`.
+double farthest(const Trajectory& some, const Trajectory& others, std::size_t count) {
+  double most = -1;
+  for (std::size_t i = some.size() - std::min(count, some.size()); i < some.size(); ++i) {
+    for (const StampedPose& other : others) {
+      if (std::abs(other.time_s - some[i].time_s) < 1e-3)
+        most = std::max(most, (some[i].pose.translation() - other.pose.translation()).norm());
+    }
+  }
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in it and does not write it") {
+  const TemporaryFolder folder;
+  const std::string log = folder / "map.lcmlog", other = folder / "run.lcmlog";
+  const std::vector<std::string> drive = {"--world", "indoor", "--seconds", "14", "--seed", "31"};
+  const auto simulate = [&](const std::string& to, const std::string& lidar) {
+    std::vector<std::string> command = {"scanlock-simulate", to, "--lidar", lidar, "--truth", to + ".tum"};
+    command.insert(command.end(), drive.begin(), drive.end());
+    return run(folder, command).code;
+  };
+  REQUIRE(simulate(log, "os1-64") == 0);
+  REQUIRE(simulate(other, "vlp16") == 0);
+  const std::string site = folder / "site.map", cloud = folder / "site.ply";
+  REQUIRE(run(folder, {"scanlockd", "-l", "file://" + log, "--out-url",
+                       "file://" + (folder / "out.lcmlog") + "?mode=w", "--map", site})
+              .code == 0);
+  const Result converted = run(folder, {"scanlock-convert", site, cloud});
+  CAPTURE(converted.errors);
+  REQUIRE(converted.code == 0);
+  CHECK(read_cloud(cloud).size() > 10000);
+  const std::string bytes = read_file(cloud);
+
+  const Result there = run(
+      folder, {"scanlock-odometry", other, "--start-map", cloud, "--poses", folder / "run.tum", "--json"});
+  CAPTURE(there.errors);
+  CAPTURE(there.output);
+  REQUIRE(there.code == 0);
+  CHECK(contains(there.output, "\"recoveries\":1,"));
+  // The map's frame is the sensor's at the first scan of its drive, where the other one begins, too.
+  const Trajectory truth = read_tum(other + ".tum");
+  Trajectory expected = truth;
+  for (StampedPose& stamped : expected) stamped.pose = truth.front().pose.inverse() * stamped.pose;
+  const Trajectory poses = read_tum(folder / "run.tum");
+  CHECK(poses.size() == 140);
+  CHECK(farthest(poses, expected, 100) > 0);
+  CHECK(farthest(poses, expected, 100) < 0.1);
+  CHECK(read_file(cloud) == bytes);
+  CHECK_FALSE(std::filesystem::exists(folder / "site2.map"));
+
+  // A map of the cloud does as well, and one that is to grow is saved beside it.
+  const std::string made = folder / "made.map", grown = folder / "grown.ply";
+  REQUIRE(run(folder, {"scanlock-convert", cloud, made}).code == 0);
+  CHECK(read_map(made).keyframes.size() > 3);
+  CHECK(run(folder, {"scanlock-convert", cloud, made}).code == 1);  // it is there
+  std::filesystem::copy_file(cloud, grown);
+  write_file(folder / "grow.toml", "[map]\nmode = \"extend\"\n");
+  const Result growing =
+      run(folder, {"scanlockd", "-c", folder / "grow.toml", "-l", "file://" + other, "--out-url",
+                   "file://" + (folder / "out2.lcmlog") + "?mode=w", "--map", grown});
+  CAPTURE(growing.errors);
+  REQUIRE(growing.code == 0);
+  CHECK(read_file(grown) == bytes);
+  CHECK(read_map(folder / "grown.map").keyframes.size() > 3);
+}
+
+TEST_CASE("what is no map to start in is an error with its name and a reason") {
+  const TemporaryFolder folder;
+  const std::string log = std::string(SCANLOCK_SOURCE_DIR) + "/test/logs/drive_urban.lcmlog";
+  PointCloud wall;
+  for (int i = 0; i < 3000; ++i)
+    wall.push_back(5, 0.1F * static_cast<float>(i % 60), 0.1F * static_cast<float>(i / 60));
+  write_cloud(folder / "wall.ply", wall);
+  write_cloud(folder / "empty.ply", {});
+  write_file(folder / "cut.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 9\n");
+  for (const auto& [file, reason] :
+       {std::pair("wall.ply", "no floor in it"), std::pair("empty.ply", "no floor in it"),
+        std::pair("cut.ply", "cut.ply"), std::pair("none.ply", "no such file")}) {
+    CAPTURE(file);
+    const Result result = run(folder, {"scanlock-odometry", log, "--start-map", folder / file});
+    CHECK(result.code == 1);
+    CHECK(contains(result.errors, file));
+    CHECK(contains(result.errors, reason));
+    const Result daemon =
+        run(folder, {"scanlockd", "-l", "file://" + log, "--out-url",
+                     "file://" + (folder / "out.lcmlog") + "?mode=w", "--map", folder / file});
+    CHECK(daemon.code == 1);
+    CHECK(contains(daemon.errors, file));
+  }
+}
