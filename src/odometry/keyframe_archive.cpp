@@ -27,6 +27,11 @@ bool stands_alike(const std::vector<Vector>& stands, const Vector& up) {
                      [&](const Vector& other) { return up.dot(other) > least; });
 }
 
+/// z is taken to be up in the map frame.
+std::shared_ptr<const PlaceSignature> signature_of(const ArchivedKeyframe& k) {
+  return std::make_shared<const PlaceSignature>(*k.points, k.map_from_body.linear().cast<float>());
+}
+
 bool is_fresh(const ArchivedKeyframe& k, std::int64_t utime) {
   return utime - k.utime < kFresh;
 }
@@ -90,6 +95,7 @@ void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double 
   keyframe.id = next_id_++;
   keyframe.tie = tie;
   if (keyframe.tie) keyframe.tie->to = keyframe.id;
+  keyframe.signature = signature_of(keyframe);
   keyframes_.push_back(std::move(keyframe));
   evict();
 }
@@ -153,6 +159,7 @@ void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes, bool fixe
   next_id_ = 1;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     keyframes_[i].id = next_id_++;
+    keyframes_[i].signature = signature_of(keyframes_[i]);
     keyframes_[i].tie.reset();
     if (i == 0) continue;
     const ArchivedKeyframe& before = keyframes_[i - 1];
@@ -161,15 +168,6 @@ void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes, bool fixe
     keyframes_[i].tie->to = keyframes_[i].id;
   }
   evict();
-}
-
-void KeyframeArchive::sign(const Eigen::Vector3d& up, bool planar) {
-  const Eigen::Matrix3d level = level_rotation(up);
-  for (ArchivedKeyframe& k : keyframes_) {
-    if (k.signature) continue;
-    const Eigen::Matrix3f turn = (level * k.map_from_body.linear()).cast<float>();
-    k.signature = std::make_shared<const PlaceSignature>(*k.points, turn, planar);
-  }
 }
 
 void KeyframeArchive::remove(std::uint32_t id) {

@@ -29,7 +29,7 @@ struct ArchivedKeyframe {
   std::uint32_t id = 0;  ///< from 1 on, in the order in which they were added
   /// From an earlier one to here, by odometry; none of the first one.
   std::optional<Constraint> tie = std::nullopt;
-  std::shared_ptr<const PlaceSignature> signature = nullptr;  ///< null until the first time it is asked for
+  std::shared_ptr<const PlaceSignature> signature = nullptr;  ///< never null in an archive
 };
 
 /// From a keyframe that was archived before to a pose, whose keyframe has no id yet. `covariance`: right
@@ -81,9 +81,6 @@ class KeyframeArchive {
   /// New poses, by id.
   void move(const std::map<std::uint32_t, Pose>& map_from_body);
   void clear();
-
-  /// Makes the signatures that are missing. `up`: in the map frame.
-  void sign(const Eigen::Vector3d& up, bool planar);
 
   const std::vector<ArchivedKeyframe>& keyframes() const { return keyframes_; }
   bool empty() const { return keyframes_.empty(); }

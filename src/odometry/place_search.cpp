@@ -52,7 +52,7 @@ void PlaceSearch::begin_anew() {
 }
 
 std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excursion& excursion,
-                                                 KeyframeArchive& archive,
+                                                 const KeyframeArchive& archive,
                                                  const std::optional<Eigen::Vector3d>& up) {
   if (!has_credit(utime) || out_ || archive.empty() || excursion.scans() < scans_wanted_) return std::nullopt;
   RecoveryRequest request;
@@ -61,11 +61,9 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
   request.up = up.value_or(Eigen::Vector3d::UnitZ());
   request.body_up = excursion.state().pose.linear().col(2);
   if (others_.empty() || turn_ % round_ == 0) {
-    archive.sign(request.up, excursion.planar());
     const Eigen::Matrix3f level = level_rotation(request.body_up).cast<float>();
     Eigen::Vector3d centre;
-    others_ = other_centres(
-        archive, PlaceSignature(excursion.submap(kSignatureReach, centre), level, excursion.planar()));
+    others_ = other_centres(archive, PlaceSignature(excursion.submap(kSignatureReach, centre), level));
   }
   const auto others = static_cast<int>(others_.size());
   round_ = anchor_ ? 2 * (1 + others) : others;

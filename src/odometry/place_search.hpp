@@ -28,7 +28,8 @@ class PlaceSearch {
   /// The next request, when enough was seen for it and none is out. `up`: in the map frame, where that was
   /// measured.
   std::optional<RecoveryRequest> next(std::int64_t utime, const Excursion& excursion,
-                                      KeyframeArchive& archive, const std::optional<Eigen::Vector3d>& up);
+                                      const KeyframeArchive& archive,
+                                      const std::optional<Eigen::Vector3d>& up);
   /// The answer to a request came in, and cost so many seconds; false when it is too late. Where there is
   /// something the next look, of another scale, is soon, and at the same part of the map, unless that was
   /// only chosen for its likeness and shows `little` of what was seen.

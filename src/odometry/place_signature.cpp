@@ -19,20 +19,10 @@ constexpr double kBeside = 0.6;                     // of a cell's value its nei
 
 }  // namespace
 
-PlaceSignature::PlaceSignature(const PointCloud& points, const Eigen::Matrix3f& level, bool planar) {
+PlaceSignature::PlaceSignature(const PointCloud& points, const Eigen::Matrix3f& level) {
   std::array<double, kCells> counts{}, wide{};
-  const double rings = static_cast<double>(kRings) / log(kFarthest / kNearest);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3f p = level * points.point(i);
-    const double range = static_cast<double>(p.head<2>().norm());
-    if (!(range >= kNearest && range < kFarthest)) continue;
-    if (!planar && (p.z() < kAbove || p.z() > kSteepest * static_cast<float>(range))) continue;
-    const auto ring = static_cast<std::size_t>(rings * log(range / kNearest));
-    const double turn = atan2(static_cast<double>(p.y()), static_cast<double>(p.x())) / (2 * kPi) + 0.5;
-    const auto sector = static_cast<std::size_t>(turn * static_cast<double>(kSectors));
-    counts[std::min(sector, kSectors - 1) * kRings + std::min(ring, kRings - 1)] += 1;
-  }
-  for (double& count : counts) count = std::sqrt(count);
+  if (!count(points, level, true, &counts)) count(points, level, false, &counts);
+  for (double& cell : counts) cell = std::sqrt(cell);
   for (std::size_t sector = 0; sector < kSectors; ++sector) {
     const std::size_t before = (sector + kSectors - 1) % kSectors, after = (sector + 1) % kSectors;
     for (std::size_t ring = 0; ring < kRings; ++ring) {
@@ -48,6 +38,25 @@ PlaceSignature::PlaceSignature(const PointCloud& points, const Eigen::Matrix3f& 
     sum += static_cast<double>(cells_[i]) * cells_[i];
   }
   norm_ = std::sqrt(sum);
+}
+
+/// Whether there is anything to count. `high`: what is higher than the sensor only.
+bool PlaceSignature::count(const PointCloud& points, const Eigen::Matrix3f& level, bool high,
+                           std::array<double, kCells>* counts) {
+  const double rings = static_cast<double>(kRings) / log(kFarthest / kNearest);
+  bool any = false;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p = level * points.point(i);
+    const double range = static_cast<double>(p.head<2>().norm());
+    if (!(range >= kNearest && range < kFarthest) || !std::isfinite(p.z())) continue;
+    if (high && (p.z() < kAbove || p.z() > kSteepest * static_cast<float>(range))) continue;
+    const auto ring = static_cast<std::size_t>(rings * log(range / kNearest));
+    const double turn = atan2(static_cast<double>(p.y()), static_cast<double>(p.x())) / (2 * kPi) + 0.5;
+    const auto sector = static_cast<std::size_t>(turn * static_cast<double>(kSectors));
+    (*counts)[std::min(sector, kSectors - 1) * kRings + std::min(ring, kRings - 1)] += 1;
+    any = true;
+  }
+  return any;
 }
 
 double PlaceSignature::similarity(const PlaceSignature& other) const {

@@ -12,18 +12,21 @@ namespace scanlock {
 
 /// What surrounds a place, for telling which places to search first: how many points stand above the sensor
 /// in each cell of rings and sectors about it (a polar histogram, as Kim and Kim's scan context 2018 has of
-/// heights). What is lower, the ground, cars and people, is left out, but of a planar sensor, which sees
-/// nothing higher. It does not depend on the heading, and little on the sensor.
+/// heights). What is lower, the ground, cars and people, is left out where something is higher: a
+/// planar sensor sees nothing that is. It does not depend on the heading, and little on the sensor.
 class PlaceSignature {
  public:
-  /// `points`: relative to the sensor, level: z is up.
-  PlaceSignature(const PointCloud& points, const Eigen::Matrix3f& level, bool planar);
+  /// `points`: relative to the sensor; `level` turns them so that z is up.
+  PlaceSignature(const PointCloud& points, const Eigen::Matrix3f& level);
 
   /// The cosine of the two at the heading where they are most alike: 0 to 1; 0 where one is empty.
   double similarity(const PlaceSignature& other) const;
 
  private:
   static constexpr std::size_t kRings = 20, kSectors = 60, kCells = kRings * kSectors;
+  static bool count(const PointCloud& points, const Eigen::Matrix3f& level, bool high,
+                    std::array<double, kCells>* counts);
+
   /// Square roots of counts, in sixteenths; sector after sector, twice around.
   std::array<std::int16_t, 2 * kCells> cells_{};
   double norm_ = 0;

@@ -53,7 +53,7 @@ class Relocation {
 
   /// The next search, when there is reason for one and none is out. `up`: in the map frame, where that was
   /// measured.
-  std::optional<RecoveryRequest> take_request(std::int64_t utime, KeyframeArchive& archive,
+  std::optional<RecoveryRequest> take_request(std::int64_t utime, const KeyframeArchive& archive,
                                               const std::optional<Eigen::Vector3d>& up);
   /// `voxel` metres: of the map, where another part of it is loaded.
   void give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel, Odometer& odometer);

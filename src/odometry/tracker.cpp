@@ -423,9 +423,9 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
 }
 
 std::optional<RecoveryRequest> Tracker::take_request() {
-  State& s = *state_;
+  const State& s = *state_;
   const auto up = s.attitudes > 0 ? std::optional<Eigen::Vector3d>(s.up) : std::nullopt;
-  return s.relocation.take_request(s.last_utime, s.archive, up);
+  return state_->relocation.take_request(s.last_utime, s.archive, up);
 }
 
 void Tracker::give(RecoveryAnswer answer) {

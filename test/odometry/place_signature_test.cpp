@@ -38,23 +38,27 @@ PointCloud turned(const PointCloud& cloud, double radians, double x) {
 }  // namespace
 
 TEST_CASE("a place looks like itself from near by and at any heading, and less like another one") {
-  const PlaceSignature here(walls(12, 5), kLevel, false), other(walls(7, 7), kLevel, false);
+  const PlaceSignature here(walls(12, 5), kLevel), other(walls(7, 7), kLevel);
   CHECK(here.similarity(here) == doctest::Approx(1.0));
   for (const double heading : {0.5, 1.7, -2.9}) {
-    const PlaceSignature same(turned(walls(12, 5), heading, 0), kLevel, false);
-    const PlaceSignature near(turned(walls(12, 5), heading, 0.7), kLevel, false);
+    const PlaceSignature same(turned(walls(12, 5), heading, 0), kLevel);
+    const PlaceSignature near(turned(walls(12, 5), heading, 0.7), kLevel);
     CHECK(here.similarity(same) > 0.9);
     CHECK(here.similarity(near) > here.similarity(other) + 0.1);
   }
 }
 
-TEST_CASE("what is lower than the sensor has no say, but of a planar one, and nothing is like nothing") {
+TEST_CASE("what is lower than the sensor has no say where something is higher, and nothing is like nothing") {
   PointCloud low;
   for (float x = 2; x < 10; x += 0.1F) low.push_back(x, 1, -0.2F);
-  const PlaceSignature none(low, kLevel, false), all(low, kLevel, true);
+  PointCloud both = walls(12, 5);
+  const PlaceSignature high(both, kLevel);
+  for (std::size_t i = 0; i < low.size(); ++i) both.push_back(low.point(i));
+  CHECK(high.similarity(PlaceSignature(both, kLevel)) == doctest::Approx(1.0));
+  const PlaceSignature planar(low, kLevel), none(PointCloud(), kLevel);
+  CHECK(planar.similarity(planar) == doctest::Approx(1.0));
+  CHECK(planar.similarity(none) == 0);
   CHECK(none.similarity(none) == 0);
-  CHECK(all.similarity(all) == doctest::Approx(1.0));
-  CHECK(all.similarity(none) == 0);
 }
 
 }  // namespace scanlock
