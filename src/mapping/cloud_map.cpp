@@ -14,7 +14,7 @@
 #include "geometry/elementary.hpp"
 #include "geometry/moved_cloud.hpp"
 #include "geometry/voxel_grid.hpp"
-#include "mapping/seen_from.hpp"
+#include "mapping/solid_cloud.hpp"
 #include "odometry/motion_filter.hpp"
 
 namespace scanlock {

@@ -134,7 +134,7 @@ void Mapper::renew(std::uint32_t id, const Revisit& revisit) {
     graph_.renew(old->id, id, revisit.covariance);
     tracker_.renew(old->id, id);
     for (auto& [other, at] : revisits_) {
-      if (at.nearest == id) at.nearest = at.nearest_keyframe = old->id;
+      if (at.nearest == id) at.nearest = at.nearest_keyframe = revisit.nearest;
     }
   }
   if (last_revisit_ && (last_revisit_->keyframe == id || last_revisit_->nearest == id)) last_revisit_.reset();

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "geometry/moved_cloud.hpp"
-#include "mapping/seen_from.hpp"
+#include "mapping/solid_cloud.hpp"
 
 namespace scanlock {
 namespace {

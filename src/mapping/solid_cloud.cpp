@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "mapping/seen_from.hpp"
+#include "mapping/solid_cloud.hpp"
 
 #include <algorithm>
 #include <cmath>
