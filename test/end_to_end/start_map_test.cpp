@@ -32,10 +32,11 @@ double farthest(const Trajectory& some, const Trajectory& others, std::size_t co
 
 }  // namespace
 
-TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in it and does not write it") {
+TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in it and does not write it" *
+          doctest::test_suite("long drives")) {
   const TemporaryFolder folder;
   const std::string log = folder / "map.lcmlog", other = folder / "run.lcmlog";
-  const std::vector<std::string> drive = {"--world", "indoor", "--seconds", "14", "--seed", "31"};
+  const std::vector<std::string> drive = {"--world", "indoor", "--seconds", "10", "--seed", "31"};
   const auto simulate = [&](const std::string& to, const std::string& lidar) {
     std::vector<std::string> command = {"scanlock-simulate", to, "--lidar", lidar, "--truth", to + ".tum"};
     command.insert(command.end(), drive.begin(), drive.end());
@@ -64,9 +65,9 @@ TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in i
   Trajectory expected = truth;
   for (StampedPose& stamped : expected) stamped.pose = truth.front().pose.inverse() * stamped.pose;
   const Trajectory poses = read_tum(folder / "run.tum");
-  CHECK(poses.size() == 140);
-  CHECK(farthest(poses, expected, 100) > 0);
-  CHECK(farthest(poses, expected, 100) < 0.1);
+  CHECK(poses.size() == 100);
+  CHECK(farthest(poses, expected, 60) > 0);
+  CHECK(farthest(poses, expected, 60) < 0.1);
   CHECK(read_file(cloud) == bytes);
   CHECK_FALSE(std::filesystem::exists(folder / "site2.map"));
 
