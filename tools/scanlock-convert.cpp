@@ -14,6 +14,7 @@
 
 #include "command_line.hpp"
 #include "daemon/map_file.hpp"
+#include "daemon/map_store.hpp"
 #include "io/cloud_file.hpp"
 #include "io/lcm_log.hpp"
 #include "io/log_info.hpp"
@@ -42,8 +43,8 @@ constexpr const char* kFooter = R"(What is done depends on IN and OUT:
   LOG DIR                   the other way, into a new directory (.bin, times.txt, ptime/)
   LOG --info                channels, types, counts, rates, gaps; damage is passed over, counted and reported
   SITE.ply|SITE.pcd SITE.map
-                            a cloud of any program into a map for scanlockd --map; z is up. (--map takes the cloud, too;
-                            the .map loads faster.)
+                            a cloud of any program into a map for scanlockd --map, for a sensor at the body's origin; z
+                            is up. (--map takes the cloud, too; the .map loads faster.)
   SITE.map SITE.ply|SITE.pcd
                             what the keyframes of a map have seen, as one cloud in its frame, thinned to 5 cm
   LOG OUT.tum|OUT.kitti     a pose channel (POSE_BODY_CORRECTED) as a trajectory
@@ -201,23 +202,15 @@ void convert_trajectory(const Options& options) {
     std::cout << loaded.trajectory.size() << " poses -> " << options.output << "\n";
 }
 
-bool is_cloud_name(const std::filesystem::path& path) {
-  return path.extension() == ".ply" || path.extension() == ".pcd";
-}
-
 /// One of the two is a map, the other a cloud.
 void convert_map(const Options& options) {
   constexpr float kVoxel = 0.05F;  // metres
   SavedMap map;
   std::size_t points = 0;
-  if (is_cloud_name(options.input)) {
+  if (is_bare_cloud(options.input)) {
     const PointCloud cloud = read_cloud(options.input);
     ProgressBar bar("map");
-    try {
-      map = map_of_cloud(cloud, {}, shown_by(bar));
-    } catch (const CloudMapError& unfit) {
-      throw std::runtime_error(options.input + ": " + unfit.what());
-    }
+    map = map_of_cloud(cloud, options.input, {}, shown_by(bar));
     write_map(options.output, map);
     points = cloud.size();
   } else {
@@ -259,8 +252,8 @@ void run(const Options& options) {
   const bool to_trajectory = extension == ".tum" || extension == ".kitti" || extension == ".txt";
   const fs::path input = options.input, output = options.output;
   if (!directory && !log &&
-      ((is_cloud_name(input) && extension == ".map") ||
-       (input.extension() == ".map" && is_cloud_name(output)))) {
+      ((is_bare_cloud(input) && extension == ".map") ||
+       (input.extension() == ".map" && is_bare_cloud(output)))) {
     check_outputs({{options.input}, {options.output}, ""}, options.force);
     return convert_map(options);
   }

@@ -60,12 +60,6 @@ constexpr const char* kNoFile =
     "no map file is named, neither in the command nor in the configuration (map.file)";
 constexpr const char* kStays = "the configured map stays as it is (map.mode); name a file to save to";
 
-bool is_bare_cloud(const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension == ".ply" || extension == ".pcd";
-}
-
 bool stays_as_it_is(const MapConfig& config, const std::string& file) {
   return config.mode == "localise" || (config.mode == "auto" && is_bare_cloud(file));
 }
@@ -85,6 +79,12 @@ void keep(const std::string& file, const Statistics& statistics) {
 }
 
 }  // namespace
+
+bool is_bare_cloud(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".ply" || extension == ".pcd";
+}
 
 std::string saved_map_file(const MapConfig& config) {
   if (config.file.empty() || stays_as_it_is(config, config.file)) return {};
@@ -130,18 +130,15 @@ LoadedMap MapStore::load(const std::string& path) const {
 LoadedMap MapStore::read(const std::string& file) const {
   LoadedMap loaded;
   loaded.fixed = stays_as_it_is(config_, file);
+  const Pose sensor_from_body = body_from_sensor_.inverse();
+  const Eigen::Vector3d up = sensor_from_body.linear() * axis_of(config_.up);
   if (is_bare_cloud(file)) {
-    const Pose sensor_from_body = body_from_sensor_.inverse();
-    CloudMapOptions options;
-    options.up = sensor_from_body.linear() * axis_of(config_.up);
-    options.max_range_m = max_range_m_;
-    try {
-      loaded.map = map_of_cloud(moved(read_cloud(file), sensor_from_body), options);
-    } catch (const CloudMapError& unfit) {
-      throw std::runtime_error(file + ": " + unfit.what());
-    }
+    statistics_.say(LogLevel::kInfo, file + ": a bare cloud; a map is made of it");
+    loaded.map = map_of_cloud(moved(read_cloud(file), sensor_from_body), file, {up, max_range_m_});
   } else {
     loaded.map = read_map(file);
+    if (file == saved_file_ && is_bare_cloud(config_.file))
+      loaded.map.up = up;  // it has grown out of the cloud
   }
   statistics_.say(LogLevel::kInfo, file + ": map loaded: " + described(loaded.map));
   return loaded;

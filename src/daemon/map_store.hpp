@@ -14,6 +14,9 @@
 
 namespace scanlock {
 
+/// Whether a path names a bare cloud, which a map can be made of: .ply or .pcd, in any case.
+bool is_bare_cloud(const std::string& path);
+
 /// Where a map is saved to without being told: the configured file, or the .map beside a bare cloud; empty
 /// where none is configured, and where it stays as it is.
 std::string saved_map_file(const MapConfig& config);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -153,7 +154,7 @@ View seen_from(const SolidCloud& solid, const Eigen::Vector3f& eye, const std::v
   return view;
 }
 
-/// Eyes that were taken, by cells of the greatest reach so far.
+/// Eyes that were taken.
 class Eyes {
  public:
   /// Whether one of them shows the ground around `eye`: it is near, and sees it.
@@ -178,13 +179,13 @@ class Eyes {
   }
 
  private:
-  static constexpr float kCell = 10;  // metres: no two eyes next to each other are farther apart
-  std::map<std::pair<int, int>, std::vector<std::pair<Eigen::Vector3f, float>>> cells_;
+  static constexpr float kCell = 10;  // metres: no eye shows the ground around one that is farther off
+  std::map<Cell, std::vector<std::pair<Eigen::Vector3f, float>>> cells_;
 };
 
 }  // namespace
 
-SavedMap map_of_cloud(const PointCloud& cloud, const CloudMapOptions& options,
+SavedMap map_of_cloud(const PointCloud& cloud, const std::string& name, const CloudMapOptions& options,
                       const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   const Eigen::Matrix3d level = level_rotation(options.up);
   PointCloud levelled;
@@ -215,8 +216,9 @@ SavedMap map_of_cloud(const PointCloud& cloud, const CloudMapOptions& options,
   SavedMap map;
   map.keyframes = archive.keyframes();
   if (map.keyframes.empty())
-    throw CloudMapError("no floor in it that a robot could stand on and see " + std::to_string(kLeastSeen) +
-                        " points of what stands there; is up another axis (map.up)?");
+    throw std::runtime_error(name + ": no floor in it that a robot could stand on and see " +
+                             std::to_string(kLeastSeen) +
+                             " points of what stands there; is up another axis (map.up)?");
   map.last_pose = map.keyframes.front().map_from_body;
   map.up = options.up.normalized();
   for (const ArchivedKeyframe& k : map.keyframes)

@@ -5,18 +5,12 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
-#include <stdexcept>
+#include <string>
 
 #include "geometry/point_cloud.hpp"
 #include "odometry/keyframe_archive.hpp"
 
 namespace scanlock {
-
-/// A cloud that no map can be made of, with a sentence.
-class CloudMapError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 struct CloudMapOptions {
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< axes of the cloud
@@ -26,9 +20,10 @@ struct CloudMapOptions {
 /// A map out of a bare cloud, which may come from any program: keyframes at places where a robot can have
 /// stood, of what it would have seen from there. They stand an eye's height above floors that are wide
 /// enough, where nothing is in the way, so that every such place sees a keyframe near by. The cloud's frame
-/// is the map's, and nothing moves in it. Throws CloudMapError for a cloud without such places. `progress`:
+/// is the map's, and nothing moves in it. Throws std::runtime_error "NAME: what is wrong" for a cloud
+/// without such places. `progress`:
 /// floor done and floor in all, any unit.
-SavedMap map_of_cloud(const PointCloud& cloud, const CloudMapOptions& options,
+SavedMap map_of_cloud(const PointCloud& cloud, const std::string& name, const CloudMapOptions& options,
                       const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 
 /// What the keyframes saw, as one cloud in the map's frame, thinned to `voxel` metres.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/radix_sort.hpp"
 #include "geometry/voxel_grid.hpp"
 
 namespace scanlock {
@@ -28,11 +29,16 @@ Eigen::Vector3i voxel_of(const Eigen::Vector3f& position, float voxel) {
 }  // namespace
 
 SolidCloud::SolidCloud(const PointCloud& cloud, float voxel) : voxel_(voxel) {
-  points_ = select(cloud, thin_by_voxel(cloud, voxel));
+  // Ordered by keys of our own: another rounding would put some points into the voxel next to theirs.
+  std::vector<KeyedIndex> order;
+  for (const std::uint32_t i : thin_by_voxel(cloud, voxel))
+    order.emplace_back(key_of(voxel_of(cloud.point(i), voxel)), i);
+  radix_sort(&order);
   const float margin = static_cast<float>(1 << kMostLevel) * voxel;  // what a point fills at most
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Eigen::Vector3f p = points_.point(i);
-    keys_.push_back(key_of(voxel_of(p, voxel)));
+  for (const auto& [key, index] : order) {
+    const Eigen::Vector3f p = cloud.point(index);
+    keys_.push_back(key);
+    points_.push_back(p);
     low_ = low_.cwiseMin(p - Eigen::Vector3f::Constant(margin));
     high_ = high_.cwiseMax(p + Eigen::Vector3f::Constant(margin));
   }
@@ -59,11 +65,10 @@ void SolidCloud::fill(std::size_t begin, std::size_t end) {
     if (added) blocks_.emplace_back();
     Block& block = blocks_[at->second];
     block.level = level;
-    block.solid[(keys_[i] & kInBlock) >> 6] |= std::uint64_t{1} << (keys_[i] & 63);
+    block.add(keys_[i] & kInBlock);
     if (level == 0 || !goes_on(points_.point(i), level)) continue;
     const std::uint64_t first = (keys_[i] & kInBlock) >> 3 * level << 3 * level;
-    for (std::uint64_t bit = first; bit < first + (std::uint64_t{1} << 3 * level); ++bit)
-      block.solid[bit >> 6] |= std::uint64_t{1} << (bit & 63);
+    for (std::uint64_t bit = first; bit < first + (std::uint64_t{1} << 3 * level); ++bit) block.add(bit);
   }
 }
 
@@ -87,9 +92,9 @@ const SolidCloud::Block* SolidCloud::block_of(std::uint64_t key) const {
 }
 
 bool SolidCloud::is_solid(const Eigen::Vector3f& position) const {
-  const std::uint64_t key = key_of(voxel_of(position, voxel_)), bit = key & kInBlock;
+  const std::uint64_t key = key_of(voxel_of(position, voxel_));
   const Block* block = block_of(key);
-  return block && (block->solid[bit >> 6] >> (bit & 63) & 1) != 0;
+  return block && block->holds(key & kInBlock);
 }
 
 /// From voxel to voxel along the ray (Amanatides and Woo 1987), and over empty blocks at once.
@@ -118,10 +123,10 @@ std::optional<std::uint32_t> SolidCloud::hit(const Eigen::Vector3f& eye, const E
   std::uint64_t block_key = ~std::uint64_t{0};
   Eigen::Vector3f next(leaves(0, 1), leaves(1, 1), leaves(2, 1));
   for (bool first = true;; first = false) {
-    const std::uint64_t key = key_of(at), bit = key & kInBlock;
+    const std::uint64_t key = key_of(at);
     if (key >> kBlockBits != block_key) block = block_of(key);
     block_key = key >> kBlockBits;
-    const bool solid = block && (block->solid[bit >> 6] >> (bit & 63) & 1) != 0;
+    const bool solid = block && block->holds(key & kInBlock);
     if (solid && !first) return nearest(key, block->level, eye + (next - delta).maxCoeff() * direction);
     if (block) {
       int axis = 0;

@@ -37,6 +37,8 @@ class SolidCloud {
   struct Block {
     std::array<std::uint64_t, 8> solid{};  // bits in Morton order
     int level = 0;                         // doublings
+    bool holds(std::uint64_t bit) const { return (solid[bit >> 6] >> (bit & 63) & 1) != 0; }
+    void add(std::uint64_t bit) { solid[bit >> 6] |= std::uint64_t{1} << (bit & 63); }
   };
   const Block* block_of(std::uint64_t key) const;
   bool goes_on(const Eigen::Vector3f& point, int level) const;

@@ -18,8 +18,7 @@ constexpr double kSourceReach = 5.6;  // of the scene's size, radius of what is 
 constexpr double kVoxel = 0.0675;     // of the scene's size
 // What looks alike on one scale seldom does so on another.
 constexpr std::array<double, 3> kScales = {1.0, 1.35, 0.75};
-constexpr double kSignatureReach = 60.0;  // metres
-constexpr double kStandReach = 20.0;      // metres
+constexpr double kStandReach = 20.0;  // metres
 // Where the body stood in many ways it stands in others, too. A search that allows for them takes several
 // times as long.
 constexpr std::size_t kManyStands = 4;
@@ -63,7 +62,7 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excur
   if (others_.empty() || turn_ % round_ == 0) {
     const Eigen::Matrix3f level = level_rotation(request.body_up).cast<float>();
     Eigen::Vector3d centre;
-    others_ = other_centres(archive, PlaceSignature(excursion.submap(kSignatureReach, centre), level));
+    others_ = other_centres(archive, PlaceSignature(excursion.submap(PlaceSignature::kReach, centre), level));
   }
   const auto others = static_cast<int>(others_.size());
   round_ = anchor_ ? 2 * (1 + others) : others;

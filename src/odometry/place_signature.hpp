@@ -16,6 +16,8 @@ namespace scanlock {
 /// planar sensor sees nothing that is. It does not depend on the heading, and little on the sensor.
 class PlaceSignature {
  public:
+  static constexpr double kReach = 60.0;  ///< metres: what is farther off does not count
+
   /// `points`: relative to the sensor; `level` turns them so that z is up.
   PlaceSignature(const PointCloud& points, const Eigen::Matrix3f& level);
 

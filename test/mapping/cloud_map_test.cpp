@@ -98,7 +98,7 @@ TEST_CASE("in a bare cloud keyframes stand in rooms, see their walls and none of
     Vector6 xi;
     xi << 100, -50, 3, 0, 0, heading;
     const Pose frame = se3_exp(xi);
-    const SavedMap map = map_of_cloud(moved(two_rooms(0.05F), frame), {});
+    const SavedMap map = map_of_cloud(moved(two_rooms(0.05F), frame), "rooms", {});
     REQUIRE(map.keyframes.size() >= 2);
     CHECK(map.keyframes.size() < 200);
     int left = 0, right = 0;
@@ -132,24 +132,26 @@ TEST_CASE("up may be any axis, and where nobody could stand the error says so") 
   turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   CloudMapOptions options;
   options.up = turn * Eigen::Vector3d::UnitZ();
-  const SavedMap map = map_of_cloud(moved(two_rooms(0.05F), Pose(turn)), options);
+  const SavedMap map = map_of_cloud(moved(two_rooms(0.05F), Pose(turn)), "rooms", options);
   REQUIRE_FALSE(map.keyframes.empty());
   for (const ArchivedKeyframe& k : map.keyframes) {
     CHECK(k.map_from_body.linear().col(2).isApprox(options.up, 1e-9));
     CHECK((turn.transpose() * k.map_from_body.translation()).z() < 2.5);
   }
-  CHECK_THROWS_AS(map_of_cloud({}, {}), CloudMapError);
+  CHECK_THROWS_WITH_AS(map_of_cloud({}, "none.ply", {}), doctest::Contains("none.ply: no floor"),
+                       std::runtime_error);
   PointCloud dot;
   for (int i = 0; i < 100; ++i) dot.push_back(1, 2, 3);
-  CHECK_THROWS_AS(map_of_cloud(dot, {}), CloudMapError);
+  CHECK_THROWS_WITH_AS(map_of_cloud(dot, "dot.ply", {}), doctest::Contains("dot.ply: no floor"),
+                       std::runtime_error);
   PointCloud broken = two_rooms(0.1F);
   broken.push_back(std::nanf(""), 0, 0);
   broken.push_back(0, std::numeric_limits<float>::infinity(), 0);
-  CHECK_FALSE(map_of_cloud(broken, {}).keyframes.empty());
+  CHECK_FALSE(map_of_cloud(broken, "rooms", {}).keyframes.empty());
 }
 
 TEST_CASE("the cloud of a map is what its keyframes saw, in the map's frame") {
-  const SavedMap map = map_of_cloud(two_rooms(0.05F), {});
+  const SavedMap map = map_of_cloud(two_rooms(0.05F), "rooms", {});
   const PointCloud cloud = cloud_of_map(map, 0.1F);
   CHECK(cloud.size() > 2000);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
