@@ -31,56 +31,48 @@ class System {
   System(const std::map<std::uint32_t, Pose>& nodes, const std::vector<Constraint>& constraints)
       : constraints_(constraints) {
     for (const auto& [node, pose] : nodes) {
-      places_.emplace(node, poses.size());
+      places_.emplace(node, static_cast<Eigen::Index>(poses.size()));
       poses.push_back(pose);
     }
+    for (const Constraint& c : constraints) ends_.emplace_back(place(c.from), place(c.to));
+    lay_out();
   }
 
-  std::size_t place(std::uint32_t node) const { return places_.at(node); }
-
-  ConstraintError error(const Constraint& c) const {
-    return error_of(c, poses[place(c.from)], poses[place(c.to)]);
-  }
+  Eigen::Index place(std::uint32_t node) const { return places_.at(node); }
+  const Pose& pose(Eigen::Index place) const { return poses[static_cast<std::size_t>(place)]; }
 
   /// Of all constraints, at a scale of Welsch's function.
   double energy(double nu) const {
     double sum = 0;
-    for (const Constraint& c : constraints_) {
-      const Vector6 e = se3_log(c.from_to.inverse() * poses[place(c.from)].inverse() * poses[place(c.to)]);
-      const double s = squared_error(c, e);
+    for (std::size_t i = 0; i < constraints_.size(); ++i) {
+      const Constraint& c = constraints_[i];
+      const double s = squared_error(c, error(i));
       sum += c.loop_closure ? nu * nu * welsch(s, nu) : 0.5 * s;
     }
     return sum;
   }
 
   /// Gauss-Newton matrix and gradient; the node at `fixed` is held.
-  void linearise(double nu, std::size_t fixed) {
-    const auto n = static_cast<Eigen::Index>(6 * poses.size());
-    gradient = Eigen::VectorXd::Zero(n);
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(90 * constraints_.size() + 6 * poses.size());
-    for (Eigen::Index i = 0; i < n; ++i) entries.emplace_back(i, i, kUnknown);
-    for (Eigen::Index i = 0; i < 6; ++i) {
-      const Eigen::Index at = 6 * static_cast<Eigen::Index>(fixed) + i;
-      entries.emplace_back(at, at, kFixed);
-    }
-    for (const Constraint& c : constraints_) {
-      const ConstraintError e = error(c);
+  void linearise(double nu, Eigen::Index fixed) {
+    gradient.setZero(hessian.cols());
+    std::fill_n(hessian.valuePtr(), hessian.nonZeros(), 0.0);
+    hessian.diagonal().setConstant(kUnknown);
+    hessian.diagonal().segment<6>(6 * fixed).array() += kFixed;
+    for (std::size_t i = 0; i < constraints_.size(); ++i) {
+      const Constraint& c = constraints_[i];
+      const auto [from, to] = ends_[i];
+      const ConstraintError e = error_of(c, pose(from), pose(to));
       const double weight = c.loop_closure ? welsch_weight(squared_error(c, e.error), nu) : 1.0;
-      const Matrix6 omega = weight * c.information;
-      const auto from = static_cast<Eigen::Index>(6 * place(c.from)),
-                 to = static_cast<Eigen::Index>(6 * place(c.to));
-      gradient.segment<6>(from) += e.by_from.transpose() * omega * e.error;
-      gradient.segment<6>(to) += e.by_to.transpose() * omega * e.error;
-      add_lower(from, from, e.by_from.transpose() * omega * e.by_from, &entries);
-      add_lower(to, to, e.by_to.transpose() * omega * e.by_to, &entries);
+      const Matrix6 by_from = weight * c.information * e.by_from, by_to = weight * c.information * e.by_to;
+      gradient.segment<6>(6 * from) += by_from.transpose() * e.error;
+      gradient.segment<6>(6 * to) += by_to.transpose() * e.error;
+      add_lower(from, from, e.by_from.transpose() * by_from);
+      add_lower(to, to, e.by_to.transpose() * by_to);
       if (from > to)
-        add_lower(from, to, e.by_from.transpose() * omega * e.by_to, &entries);
+        add_lower(from, to, e.by_from.transpose() * by_to);
       else
-        add_lower(to, from, e.by_to.transpose() * omega * e.by_from, &entries);
+        add_lower(to, from, e.by_to.transpose() * by_from);
     }
-    hessian.resize(n, n);
-    hessian.setFromTriplets(entries.begin(), entries.end());
   }
 
   /// Poses that a step leads to.
@@ -98,9 +90,13 @@ class System {
     analysed_ = true;
     const double before = energy(nu);
     for (double damping = 0; damping < 1e9; damping = std::max(10 * damping, 1e-4)) {
-      Eigen::SparseMatrix<double> damped = hessian;
-      damped.diagonal() *= 1 + damping;
-      solver_.factorize(damped);
+      if (damping > 0) {
+        Eigen::SparseMatrix<double> damped = hessian;
+        damped.diagonal() *= 1 + damping;
+        solver_.factorize(damped);
+      } else {
+        solver_.factorize(hessian);
+      }
       if (solver_.info() != Eigen::Success) continue;
       const Eigen::VectorXd step = -solver_.solve(gradient);
       std::vector<Pose> there = moved(step);
@@ -113,8 +109,8 @@ class System {
 
   double median_loop_error() const {
     std::vector<double> errors;
-    for (const Constraint& c : constraints_) {
-      if (c.loop_closure) errors.push_back(std::sqrt(squared_error(c, error(c).error)));
+    for (std::size_t i = 0; i < constraints_.size(); ++i) {
+      if (constraints_[i].loop_closure) errors.push_back(std::sqrt(squared_error(constraints_[i], error(i))));
     }
     if (errors.empty()) return 0;
     const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
@@ -127,15 +123,37 @@ class System {
   Eigen::VectorXd gradient;
 
  private:
-  static void add_lower(Eigen::Index row, Eigen::Index column, const Matrix6& block,
-                        std::vector<Eigen::Triplet<double>>* entries) {
+  Vector6 error(std::size_t i) const {
+    const auto [from, to] = ends_[i];
+    return se3_log(constraints_[i].from_to.inverse() * pose(from).inverse() * pose(to));
+  }
+
+  /// The entries of the lower triangle, which stay where they are.
+  void lay_out() {
+    const auto n = static_cast<Eigen::Index>(6 * poses.size());
+    std::vector<Eigen::Triplet<double>> entries;
+    const auto block = [&](Eigen::Index row, Eigen::Index column) {
+      for (int j = 0; j < 6; ++j) {
+        for (int i = row == column ? j : 0; i < 6; ++i) entries.emplace_back(6 * row + i, 6 * column + j, 0.0);
+      }
+    };
+    for (Eigen::Index i = 0; i < n / 6; ++i) block(i, i);
+    for (const auto& [from, to] : ends_) block(std::max(from, to), std::min(from, to));
+    hessian.resize(n, n);
+    hessian.setFromTriplets(entries.begin(), entries.end());
+  }
+
+  void add_lower(Eigen::Index row, Eigen::Index column, const Matrix6& block) {
     for (int j = 0; j < 6; ++j) {
-      for (int i = row == column ? j : 0; i < 6; ++i) entries->emplace_back(row + i, column + j, block(i, j));
+      const int first = row == column ? j : 0;
+      double* const entries = &hessian.coeffRef(6 * row + first, 6 * column + j);  // in a row, as laid out
+      for (int i = first; i < 6; ++i) entries[i - first] += block(i, j);
     }
   }
 
   const std::vector<Constraint>& constraints_;
-  std::map<std::uint32_t, std::size_t> places_;
+  std::map<std::uint32_t, Eigen::Index> places_;
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> ends_;  // places of each constraint's nodes
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
   bool analysed_ = false;
 };
@@ -272,10 +290,11 @@ PoseGraph::Change PoseGraph::optimise() {
     nu = std::max(0.5 * nu, kLoopScale);
   }
   for (auto& [node, pose] : nodes_) {
-    const Vector6 moved = se3_log(pose.inverse() * system.poses[system.place(node)]);
+    const Pose& optimum = system.pose(system.place(node));
+    const Vector6 moved = se3_log(pose.inverse() * optimum);
     change.metres = std::max(change.metres, moved.head<3>().norm());
     change.radians = std::max(change.radians, moved.tail<3>().norm());
-    pose = system.poses[system.place(node)];
+    pose = optimum;
   }
   return change;
 }
@@ -285,7 +304,7 @@ Matrix6 PoseGraph::covariance(std::uint32_t from, std::uint32_t to) const {
   system.linearise(kLoopScale, system.place(from));
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(system.hessian);
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(system.gradient.size(), 6);
-  const auto at = static_cast<Eigen::Index>(6 * system.place(to));
+  const auto at = 6 * system.place(to);
   columns.block<6, 6>(at, 0).setIdentity();
   const Matrix6 covariance = Eigen::MatrixXd(solver.solve(columns)).block<6, 6>(at, 0);
   return 0.5 * (covariance + covariance.transpose());
