@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "geometry/elementary.hpp"
 #include "icp/correspondences.hpp"
@@ -21,6 +22,9 @@ struct KnotSums {
   Matrix6 jj = Matrix6::Zero();
   Vector6 jr = Vector6::Zero();
 };
+
+/// Residuals spread evenly over the kernel leave about none: the bound keeps what is divided by it finite.
+constexpr double kLeastCurvature = 0.05;
 
 }  // namespace
 
@@ -126,48 +130,122 @@ struct ScanAligner::Workspace final : DescentProblem {
     return e;
   }
 
-  /// Gauss-Newton sums of the data: H = sum s w j j^T, g = sum s w r j, with j the derivative of r by
-  /// [d; eta]: pose <- prior * exp(d) * exp(x), twist <- twist + eta.
-  void linearise(bool robust, Matrix12* hessian, Vector12* gradient) {
-    std::array<KnotSums, ScanMotion::kKnots + 1> sums{};
+  /// A residual of a point: of a plane its distance, of a line the two components of it.
+  struct Row {
+    std::size_t point;
+    int knot;            // of its time
+    Vector6 j;           // derivative by [d; eta] at that time, in the frame of the prior's pose
+    double residual;     // metres
+    double weight;       // of the surface
+    double along = 1.0;  // share of the distance that this component is: of a line 1 and 0
+  };
+
+  template <typename Visit>
+  void visit_rows(const Visit& visit) const {
     const Eigen::Matrix3f to_prior = prior->mean.pose.linear().transpose().cast<float>();
     const Eigen::Vector3f origin = prior->mean.pose.translation().cast<float>();
     for (std::size_t i = 0; i < source->size(); ++i) {
       if (weights[i] <= 0) continue;
-      const double r = residuals[i];
-      const double weight = weights[i] * (robust ? kernel[i] : 1.0);
       const Surface& surface = target->surfaces.at(correspondences.indices()[i]);
       const Eigen::Vector3f world(wx[i], wy[i], wz[i]), w = to_prior * (world - origin);
-      KnotSums& sum = sums[static_cast<std::size_t>(motion.nearest_knot(i))];
-      const auto add = [&](const Eigen::Vector3f& direction, double residual) {
+      const auto add = [&](const Eigen::Vector3f& direction, double residual, double along) {
         const Eigen::Vector3f normal = to_prior * direction;
-        Vector6 j;
-        j << normal.cast<double>(), w.cross(normal).cast<double>();
-        sum.jj.selfadjointView<Eigen::Lower>().rankUpdate(j, weight);
-        sum.jr += weight * residual * j;
+        Row row{i, motion.nearest_knot(i), Vector6(), residual, weights[i], along};
+        row.j << normal.cast<double>(), w.cross(normal).cast<double>();
+        visit(row);
       };
-      if (surface.line) {  // its distance has two components
+      if (surface.line) {
         const Eigen::Vector3f off = surface.scale * (world - surface.centre);
-        const Eigen::Vector3f a = surface.normal.unitOrthogonal(), b = surface.normal.cross(a);
-        add(surface.scale * a, a.dot(off));
-        add(surface.scale * b, b.dot(off));
+        const Eigen::Vector3f across = off - surface.normal.dot(off) * surface.normal;
+        const float distance = across.norm();
+        const Eigen::Vector3f a =
+            distance > 0 ? Eigen::Vector3f(across / distance) : surface.normal.unitOrthogonal();
+        add(surface.scale * a, distance, 1.0);
+        add(surface.scale * surface.normal.cross(a), 0.0, 0.0);
       } else {
-        add(surface.normal, r);
+        add(surface.normal, residuals[i], 1.0);
       }
     }
+  }
+
+  /// Of a point at the time of a knot: [d; eta] moves it as basis * [d; eta] would at the stamp.
+  Eigen::Matrix<double, 6, 12> basis_of(int knot) const {
+    Eigen::Matrix<double, 6, 12> basis;
+    const double time = motion.still() ? 0.0 : motion.knot_time(knot);
+    basis << Matrix6::Identity(), time * adjoint(se3_exp(x)) * se3_left_jacobian(time * twist);
+    return basis;
+  }
+
+  using AllKnots = std::array<KnotSums, ScanMotion::kKnots + 1>;
+
+  static void add(const Row& row, double weight, AllKnots* sums) {
+    KnotSums& sum = (*sums)[static_cast<std::size_t>(row.knot)];
+    sum.jj.selfadjointView<Eigen::Lower>().rankUpdate(row.j, weight);
+    sum.jr += weight * row.residual * row.j;
+  }
+
+  void sum_up(const AllKnots& sums, Matrix12* hessian, Vector12* gradient) const {
     hessian->setZero();
     gradient->setZero();
-    const Matrix6 moved = adjoint(se3_exp(x));
     for (int k = 0; k <= ScanMotion::kKnots; ++k) {
-      KnotSums& sum = sums[static_cast<std::size_t>(k)];
-      if (sum.jj(0, 0) + sum.jj(1, 1) + sum.jj(2, 2) <= 0) continue;
-      sum.jj = sum.jj.selfadjointView<Eigen::Lower>();
-      Eigen::Matrix<double, 6, 12> basis;
-      const double time = motion.still() ? 0.0 : motion.knot_time(k);
-      basis << Matrix6::Identity(), time * moved * se3_left_jacobian(time * twist);
-      *hessian += basis.transpose() * sum.jj * basis;
+      const KnotSums& sum = sums[static_cast<std::size_t>(k)];
+      if (sum.jj.isZero(0)) continue;
+      const Matrix6 jj = sum.jj.selfadjointView<Eigen::Lower>();
+      const Eigen::Matrix<double, 6, 12> basis = basis_of(k);
+      *hessian += basis.transpose() * jj * basis;
       *gradient += basis.transpose() * sum.jr;
     }
+  }
+
+  /// Gauss-Newton sums of the data: H = sum s w j j^T, g = sum s w r j, with j the derivative of r by
+  /// [d; eta]: pose <- prior * exp(d) * exp(x), twist <- twist + eta.
+  void linearise(bool robust, Matrix12* hessian, Vector12* gradient) const {
+    AllKnots sums{};
+    visit_rows([&](const Row& row) { add(row, row.weight * (robust ? kernel[row.point] : 1.0), &sums); });
+    sum_up(sums, hessian, gradient);
+  }
+
+  /// The second derivative of Welsch's function, w (1 - r^2 / nu^2) along a residual and w across it, over w.
+  double curvature() const {
+    double bent = 0, straight = 0;
+    visit_rows([&](const Row& row) {
+      const double weight = row.weight * kernel[row.point], r = residuals[row.point] / nu;
+      bent += weight * (1.0 - row.along * r * r);
+      straight += weight;
+    });
+    return straight > 0 ? std::max(bent / straight, kLeastCurvature) : 1.0;
+  }
+
+  /// Sum of g g^T over the patches of the scene, g the sum of w r j of the points in it.
+  Matrix12 scatter() const {
+    std::vector<Eigen::Matrix<double, 6, 12>> bases;
+    for (int k = 0; k <= ScanMotion::kKnots; ++k) bases.push_back(basis_of(k));
+    std::vector<std::pair<std::uint64_t, Vector12>> parts;
+    parts.reserve(source->size());
+    visit_rows([&](const Row& row) {
+      if (row.along == 0) return;  // its residual is zero
+      const double force = row.weight * kernel[row.point] * row.residual;
+      parts.emplace_back(patch_of(row.point),
+                         force * bases[static_cast<std::size_t>(row.knot)].transpose() * row.j);
+    });
+    std::stable_sort(parts.begin(), parts.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    Matrix12 scatter = Matrix12::Zero();
+    for (std::size_t i = 0; i < parts.size();) {
+      Vector12 sum = Vector12::Zero();
+      const std::uint64_t patch = parts[i].first;
+      for (; i < parts.size() && parts[i].first == patch; ++i) sum += parts[i].second;
+      scatter.selfadjointView<Eigen::Lower>().rankUpdate(sum);
+    }
+    return scatter.selfadjointView<Eigen::Lower>();
+  }
+
+  std::uint64_t patch_of(std::size_t i) const {
+    const auto cell = [&](float metres) {
+      const double cells = std::floor(static_cast<double>(metres) / options->patch);
+      return static_cast<std::uint64_t>(std::clamp(cells, -1e6, 1e6) + 1e6);
+    };
+    return cell(wx[i]) << 42 | cell(wy[i]) << 21 | cell(wz[i]);
   }
 
   /// What errors of the surfaces' normals alone put into the sum of w j j^T, as expected.
@@ -275,6 +353,8 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
   Vector12 gradient;
   work.linearise(true, &result.information, &gradient);
   result.noise = work.noise();
+  result.curvature = work.curvature();
+  result.scatter = work.scatter();
   result.sweep_s = work.motion.still() ? 0.0 : work.duration;
   result.moving = work.moving(x);
   result.matched = work.matched;

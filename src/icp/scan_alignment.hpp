@@ -27,8 +27,10 @@ struct MovingPose {
 /// follows the prediction is held by it, what contradicts it is let go.
 struct MotionPrior {
   MovingPose mean;
-  Matrix12 information = Matrix12::Zero();  ///< inverse of the scale matrix; positive definite
-  double ahead_s = 0;                       ///< seconds since the state that it was predicted from
+  Matrix12 information = Matrix12::Zero();     ///< inverse of the scale matrix; positive definite
+  double ahead_s = 0;                          ///< seconds since the state that it was predicted from
+  Matrix12 transition = Matrix12::Identity();  ///< of errors of that state to errors of the mean
+  Matrix12 noise = Matrix12::Zero();  ///< covariance of what the motion may have been beyond the mean
 };
 
 inline constexpr double kPriorFreedom = 4;
@@ -56,6 +58,7 @@ struct ScanAlignmentOptions {
       0.5;  ///< metres: a source point pairs with a target point nearer than 3 nu + gate_margin
   double sigma =
       0.1;  ///< metres: standard deviation of a residual against the prior, its correlations counted in
+  double patch = 1.0;       ///< metres: points of one cube of this edge share an error
   int max_iterations = 12;  ///< at the last scale; earlier ones get a third
   double tolerance = 5e-4;  ///< metres, of the motion of the scan's points
   int anderson_window = 5;
@@ -67,7 +70,13 @@ struct ScanAlignment {
   Matrix12 information =
       Matrix12::Zero();  ///< of the data alone, order and frame as in MotionPrior, unit residual variance
   Matrix6 noise = Matrix6::Zero();  ///< what errors of the normals alone put into its pose block, expected
-  double sweep_s = 0;               ///< from the first of its points to the last; 0 without times
+  /// The second derivative of the energy over the Gauss-Newton one, the mean over the points: one where
+  /// residuals are small against nu, less where many have left the kernel's core.
+  double curvature = 1;
+  /// Covariance of the first derivative of the energy, order and frame as those of `information`; m^2 times
+  /// those of it. The points of a patch share an error: they count as one.
+  Matrix12 scatter = Matrix12::Zero();
+  double sweep_s = 0;  ///< from the first of its points to the last; 0 without times
   int iterations = 0, evaluations = 0;
   bool converged = false;
   int matched = 0;             ///< source points within the gate of a surface

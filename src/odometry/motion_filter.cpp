@@ -54,7 +54,7 @@ MotionPrior MotionFilter::predict(double dt) const {
   prior.mean.pose = renormalised(state_.pose * se3_exp(step));
   prior.mean.twist = mean_twist_ + kept.cwiseProduct(deviation);
 
-  Matrix12 transition = Matrix12::Identity();
+  Matrix12& transition = prior.transition;
   transition.topLeftCorner<6, 6>() = adjoint(se3_exp(-step));
   // se3_left_jacobian(-step) is the right Jacobian at step.
   transition.topRightCorner<6, 6>() = se3_left_jacobian(-step) * time.asDiagonal();
@@ -62,7 +62,7 @@ MotionPrior MotionFilter::predict(double dt) const {
   Vector6 density;
   density << Eigen::Vector3d::Constant(linear_density_), Eigen::Vector3d::Constant(angular_density_);
   if (planar_) density.segment<3>(2).setZero();
-  Matrix12 noise = Matrix12::Zero();
+  Matrix12& noise = prior.noise;
   noise.diagonal() << density * (dt * dt * dt / 3.0), density * dt;
   noise.topRightCorner<6, 6>().diagonal() = density * (dt * dt / 2.0);
   noise.bottomLeftCorner<6, 6>().diagonal() = density * (dt * dt / 2.0);

@@ -4,7 +4,10 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/LU>
+#include <array>
 #include <cmath>
+#include <map>
 #include <random>
 
 #include "../odometry/room.hpp"
@@ -98,6 +101,54 @@ TEST_CASE("along a smooth pipe the information is the noise that was expected") 
   const ScanAlignment found = ScanAligner().align(pipe(2000), {map, tree, surfaces}, weak_prior(), {});
   CHECK(found.noise(0, 0) == doctest::Approx(found.information(0, 0)).epsilon(0.35));
   CHECK(found.noise(0, 0) < 0.02 * found.information(1, 1));
+}
+
+TEST_CASE(
+    "the scatter over patches is the variance of the alignment where points of a patch share an error") {
+  Hall hall;
+  const double patch = 4.0, shared = 0.02, own = 0.01;  // metres; the errors along the ray of a point
+  ScanAlignmentOptions options;
+  options.nu_min = 0.1;
+  options.patch = patch;
+  options.max_iterations = 40;
+  options.tolerance = 1e-5;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  Vector6 sum = Vector6::Zero(), predicted = Vector6::Zero(), independent = Vector6::Zero();
+  const int trials = 60;
+  for (int trial = 0; trial < trials; ++trial) {
+    Scan scan = hall_scan(Pose::Identity(), Vector6::Zero(), 0, 11, 0.1, 2500);
+    scan.points.time.clear();
+    std::map<std::array<int, 3>, double> errors;
+    for (std::size_t i = 0; i < scan.points.size(); ++i) {
+      const Eigen::Vector3f p = scan.points.point(i);
+      const std::array<int, 3> cell{static_cast<int>(std::floor(p.x() / patch)),
+                                    static_cast<int>(std::floor(p.y() / patch)),
+                                    static_cast<int>(std::floor(p.z() / patch))};
+      if (errors.count(cell) == 0) errors[cell] = shared * normal(random);
+      const double off = errors[cell] + own * normal(random);
+      const Eigen::Vector3f moved = p * (1.0f + static_cast<float>(off) / p.norm());
+      scan.points.x[i] = moved.x();
+      scan.points.y[i] = moved.y();
+      scan.points.z[i] = moved.z();
+    }
+    ScanAligner aligner;
+    const ScanAlignment found = aligner.align(scan.points, hall.target(), weak_prior(), options);
+    double squares = 0;
+    for (const float r : aligner.residuals()) squares += std::isnan(r) ? 0.0 : static_cast<double>(r) * r;
+    sum += se3_log(found.moving.pose).cwiseAbs2() / trials;
+    CHECK(found.curvature < 1.0);
+    CHECK(found.curvature > 0.7);
+    const Matrix6 bread = (found.curvature * found.information.topLeftCorner<6, 6>()).inverse();
+    predicted += (bread * found.scatter.topLeftCorner<6, 6>() * bread).diagonal() / trials;
+    independent += squares / found.matched * bread.diagonal() / trials;
+  }
+  for (int axis = 0; axis < 6; ++axis) {
+    CAPTURE(axis);
+    CHECK(predicted[axis] > 0.4 * sum[axis]);
+    CHECK(predicted[axis] < 2.5 * sum[axis]);
+    if (axis < 3) CHECK(independent[axis] < 0.5 * sum[axis]);  // what no patches would have said
+  }
 }
 
 }  // namespace scanlock
