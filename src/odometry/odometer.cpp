@@ -19,6 +19,8 @@ constexpr double kVarianceInflation = 6;
 /// Kernels and gates are this share of the median range, where the voxel is smaller: how far a prediction is
 /// off depends on the scene and the motion, not on the density of the sensor.
 constexpr double kReach = 0.04;
+/// Points nearer each other than this share of the median range share the errors of their surfaces.
+constexpr double kPatch = 0.5;
 constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is better
 constexpr double kFirstSigma = 0.03;
 constexpr double kNearFirst = 3,
@@ -45,13 +47,16 @@ double displacement(const MotionPrior& prior, double range) {
                    3);
 }
 
+Observed observed(const Attempt& attempt, double variance) {
+  return scanlock::observed(attempt.alignment.information.topLeftCorner<6, 6>() / variance,
+                            attempt.alignment.noise / variance, pose_covariance(attempt.prior));
+}
+
 /// Where the alignment mistook errors of normals for what holds the robot, the prediction says the rest.
-ScanAlignment corrected(const Attempt& attempt, double variance) {
+ScanAlignment corrected(const Attempt& attempt, const Observed& seen) {
   const ScanAlignment& alignment = attempt.alignment;
-  const Observed seen = observed(alignment.information.topLeftCorner<6, 6>() / variance,
-                                 alignment.noise / variance, pose_covariance(attempt.prior));
   ScanAlignment result = alignment;
-  const MovingPose& predicted = attempt.prior.mean;
+  const MovingPose predicted = attempt.told.value_or(attempt.prior.mean);
   result.moving.pose =
       predicted.pose * se3_exp(seen.motion * se3_log(predicted.pose.inverse() * alignment.moving.pose));
   result.moving.twist = predicted.twist + seen.motion * (alignment.moving.twist - predicted.twist);
@@ -69,7 +74,7 @@ std::uint32_t Attempt::open_axes() const {
 }
 
 Matrix6 Attempt::information() const {
-  return corrected(*this, variance).information.topLeftCorner<6, 6>() / variance;
+  return corrected(*this, observed(*this, variance)).information.topLeftCorner<6, 6>() / variance;
 }
 
 Odometer::Odometer(const TrackerConfig& config)
@@ -84,6 +89,7 @@ void Odometer::start(std::int64_t utime, const PreparedScan& scan, const MovingP
   sigma_ = kFirstSigma;
   set_planar(scan.planar);
   filter_.start(guess);
+  errors_.start(filter_.covariance());
   drift_.setZero();
   new_drift_.setZero();
   measured_.setZero();
@@ -96,6 +102,7 @@ void Odometer::start(std::int64_t utime, const PreparedScan& scan, const MovingP
 void Odometer::set_planar(bool planar) {
   map_.set_planar(planar);
   filter_.set_planar(planar);
+  errors_.start(filter_.covariance());
 }
 
 void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
@@ -147,6 +154,7 @@ ScanAlignmentOptions Odometer::options(const PreparedScan& scan, const MotionPri
   result.max_iterations = kMostIterations;
   result.gate_margin = (far ? 3.0 : 1.5) * reach_m;
   result.sigma = sigma_ * std::sqrt(inflation());
+  result.patch = kPatch * scan.median_range;
   result.threads = config_.threads;
   return result;
 }
@@ -202,12 +210,17 @@ void Odometer::accept(const Attempt& attempt) {
   const double seen = std::max(1.4826 * attempt.alignment.median_residual, kLeastSigma);
   sigma_ += 0.1 * (std::min(seen, 2.0 * sigma_) - sigma_);
   const MovingPose before = filter_.state();
-  const ScanAlignment real = corrected(attempt, variance());
-  filter_.update(attempt.prior, real, variance());
+  const Observed seen_part = observed(attempt, variance());
+  const ScanAlignment real = corrected(attempt, seen_part);
+  errors_.update(attempt.prior, attempt.alignment, seen_part.motion, variance(), real.moving);
+  MotionPrior prior = attempt.prior;
+  prior.mean = attempt.told.value_or(prior.mean);
+  filter_.update(prior, real, variance());
   follow_drift(before.pose);
   const double dt = attempt.prior.ahead_s, sweep = real.sweep_s;
   bend_.setZero();
-  if (dt > 0) bend_ = (real.moving.twist - before.twist) / dt * (sweep * sweep / 12);
+  // The velocity before the first alignment is a guess.
+  if (dt > 0 && health_.has_history()) bend_ = (real.moving.twist - before.twist) / dt * (sweep * sweep / 12);
   const Matrix12& covariance = filter_.covariance();
   measured_ = (covariance * (real.information / variance()) * covariance).topLeftCorner<6, 6>();
   measured_.diagonal() += bend_.cwiseAbs2();
@@ -219,11 +232,13 @@ void Odometer::accept(const Attempt& attempt) {
 void Odometer::coast(const MotionPrior& prior) {
   const Pose before = filter_.state().pose;
   filter_.coast(prior);
+  errors_.coast(prior);
   follow_drift(before);
 }
 
 void Odometer::set_pose(const Pose& map_from_body) {
   filter_.start({map_from_body, Vector6::Zero()});
+  errors_.start(filter_.covariance());
   drift_.setZero();
   new_drift_.setZero();
 }
@@ -231,7 +246,7 @@ void Odometer::set_pose(const Pose& map_from_body) {
 /// A velocity that changes at a rate a while a scan of T seconds is taken is a straight line to the
 /// alignment; at the ends of the scan, where its stamp is, that line is off by a T^2 / 12.
 Matrix6 Odometer::pose_covariance() const {
-  Matrix6 result = filter_.covariance().topLeftCorner<6, 6>();
+  Matrix6 result = errors_.covariance().topLeftCorner<6, 6>();
   result.diagonal() += bend_.cwiseAbs2();
   return result;
 }
@@ -262,8 +277,11 @@ void Odometer::insert(std::int64_t utime, const PreparedScan& scan, const Moving
   keyframe.utime = utime;
   keyframe.map_from_body = moving.pose;
   keyframe.points = deskewed(scan.fine, moving.twist);
-  // Ground that is new lies where the scan was seen from, as well as that was known.
-  add_drift(map_.insert(std::move(keyframe), scan.voxel) * measured_);
+  // Ground that is new lies where the scan was seen from, as well as that was known: from now on that share
+  // of the pose's error is one of the map.
+  const double share = map_.insert(std::move(keyframe), scan.voxel);
+  add_drift(share * (measured_ + errors_.covariance().topLeftCorner<6, 6>()));
+  errors_.leave_to_map(share);
   last_keyframe_pose_ = moving.pose;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "odometry/health.hpp"
 #include "odometry/keyframe_archive.hpp"
 #include "odometry/local_map.hpp"
+#include "odometry/motion_errors.hpp"
 #include "odometry/motion_filter.hpp"
 #include "odometry/scan_preparation.hpp"
 #include "odometry/tracker_config.hpp"
@@ -49,6 +51,8 @@ enum class Reach : std::int8_t { kNear, kFar };
 struct Attempt {
   ScanAlignment alignment;
   MotionPrior prior;
+  std::optional<MovingPose>
+      told;  ///< by other sensors, for what the scene leaves open; else the prior's mean
   Health health;
   double variance = 1;  ///< m^2, of a residual, its correlations counted in
   /// The axes that the scene leaves open, as bits: see Degeneracy.
@@ -142,6 +146,7 @@ class Odometer {
   TrackerConfig config_;
   LocalMap map_;
   MotionFilter filter_;
+  MotionErrors errors_;
   ScanAligner aligner_;
   HealthMonitor health_;
   /// Of a residual's variance: what is left unexplained by planes and lines bends what is explained.

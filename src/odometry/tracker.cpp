@@ -11,7 +11,6 @@
 #include "geometry/moved_cloud.hpp"
 #include "odometry/join.hpp"
 #include "odometry/odometer.hpp"
-#include "odometry/open_axes.hpp"
 #include "odometry/relocation.hpp"
 #include "odometry/scan_clock.hpp"
 #include "odometry/scan_preparation.hpp"
@@ -20,6 +19,10 @@ namespace scanlock {
 namespace {
 
 constexpr double kMicro = 1e-6;
+
+// What TRACKING promises: the pose is as near as this to where it is against the map around it, along each
+// axis, in 95 % of such scans at least (two standard deviations). All others are DEGRADED.
+constexpr double kTrackedMetres = 0.05, kTrackedRadians = 1.0 * kDegree, kTrackedSigmas = 2.0;
 
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
@@ -33,6 +36,16 @@ constexpr int kQuietScans = 5;                    // after that, before the map 
 constexpr int kAttitudes = 100;                   // that the upward direction is averaged over
 constexpr std::int64_t kAnotherRun = 3600000000;  // microseconds
 constexpr int kFalseStarts = 3;                   // scans that do not fit the first one: it was no good
+
+/// The axes, as bits (see Degeneracy), along which a pose is not known as TRACKING promises it.
+std::uint32_t unknown_axes(const Matrix6& covariance) {
+  std::uint32_t axes = 0;
+  for (int axis = 0; axis < 6; ++axis) {
+    const double known = (axis < 3 ? kTrackedMetres : kTrackedRadians) / kTrackedSigmas;
+    if (!(covariance(axis, axis) < known * known)) axes |= 1u << axis;
+  }
+  return axes;
+}
 
 Eigen::Vector3d up_in_body(const ScanPrior& hints) {
   return hints.level_from_body->conjugate() * Eigen::Vector3d::UnitZ();
@@ -70,7 +83,6 @@ struct Tracker::State {
   int distrusted_scans = 0;  // in a row
   bool looks_alike = false;  // one of them fits, but the last trusted one says that it is of another place
   int quiet_scans_left = 0;
-  OpenAxes open_axes;
 
   Relocation relocation;
 
@@ -213,7 +225,7 @@ struct Tracker::State {
     const bool alike = fits && only_looks_alike(scan, attempt);
     finished(Stage::kAlign);
     if (fits && !alike) {
-      if (hints.motion) attempt.prior.mean = predict(hints).mean;  // for what the scene leaves open
+      if (hints.motion) attempt.told = predict(hints).mean;
       believe(scan, attempt);
       describe(attempt, PoseMethod::kIcp, tracked);
       return;
@@ -330,7 +342,6 @@ struct Tracker::State {
     tracked->energy = attempt.health.energy;
     tracked->energy_baseline = attempt.health.baseline;
     tracked->energy_score = attempt.health.score;
-    if (aligned) tracked->degenerate_axes = attempt.open_axes();
   }
 
   TrackingState reported_state() const {
@@ -342,8 +353,9 @@ struct Tracker::State {
   void report(TrackedScan* tracked) {
     tracked->state = reported_state();
     if (tracked->state == TrackingState::kTracking) {
+      const Odometer& followed = in_new_map() ? relocation.excursion().odometer() : odometer;
       const std::uint32_t never = odometer.planar() ? kOutOfPlane : 0;  // seen, nor missed, by such a sensor
-      const std::uint32_t missing = open_axes.note(tracked->degenerate_axes & ~never);
+      const std::uint32_t missing = unknown_axes(followed.pose_covariance()) & ~never;
       tracked->degenerate_axes = missing | never;
       const bool little = tracked->inliers < kDegradedShare * tracked->points_used;
       if (missing != 0 || little) tracked->state = TrackingState::kDegraded;
@@ -353,7 +365,7 @@ struct Tracker::State {
     tracked->map_from_body = map_from_own * odometer.state().pose;
     tracked->local_from_body = local_from_own * odometer.state().pose;
     tracked->twist = odometer.state().twist;
-    tracked->covariance = in_new_map() ? Matrix6(relocation.excursion().covariance().topLeftCorner<6, 6>())
+    tracked->covariance = in_new_map() ? relocation.excursion().odometer().pose_covariance()
                                        : Matrix6(odometer.pose_covariance() + odometer.drift());
     tracked->keyframes = static_cast<int>(odometer.map().keyframes().size());
     tracked->map_points = static_cast<int>(odometer.map().size());

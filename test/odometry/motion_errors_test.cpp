@@ -1,0 +1,166 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/motion_errors.hpp"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <random>
+
+#include "odometry/motion_filter.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr double kPeriod = 0.1;        // seconds
+constexpr double kAcceleration = 5.0;  // m/s^2 that the filter allows
+const Matrix6 kAll = Matrix6::Identity();
+
+struct Random {
+  std::mt19937 engine;
+  std::normal_distribution<double> normal{0.0, 1.0};
+
+  Vector12 of(const Matrix12& covariance) {
+    Vector12 unit;
+    for (double& u : unit) u = normal(engine);
+    return covariance.llt().matrixL() * unit;
+  }
+};
+
+/// A robot that moves straight on, and now and then does `share` of what the filter allows it to do.
+struct Drive {
+  MotionFilter filter{kAcceleration, 10.0};
+  MotionErrors errors;
+  MovingPose truth;
+  Random random;
+
+  explicit Drive(unsigned seed, double turn_rate = 0.1) {
+    random.engine.seed(seed);
+    truth.twist << 2, 0, 0, 0, 0, turn_rate;
+    filter.start({truth.pose, truth.twist});
+    errors.start(filter.covariance());
+  }
+
+  Vector12 error() const {
+    Vector12 e;
+    e << se3_log(truth.pose.inverse() * filter.state().pose), filter.state().twist - truth.twist;
+    return e;
+  }
+
+  /// One scan: `data` is its information, of which a residual has the variance `real`, and the filter takes
+  /// it to be `assumed`.
+  void step(const Matrix12& data, double real, double assumed, double share) {
+    const MotionPrior prior = filter.predict(kPeriod);
+    Vector12 part;  // it hardly turns, so that an axis of the body stays one of the world
+    part.head<3>().setConstant(share);
+    part.segment<3>(3).setConstant(1e-4 * share);
+    part.tail<6>() = part.head<6>();
+    const Vector12 root = part.cwiseSqrt();
+    const Vector12 done =
+        random.of(root.asDiagonal() * prior.noise * root.asDiagonal() + 1e-12 * Matrix12::Identity());
+    truth.pose = truth.pose * se3_exp(kPeriod * truth.twist) * se3_exp(done.head<6>());
+    truth.twist += done.tail<6>();
+
+    ScanAlignment alignment;
+    alignment.information = data;
+    alignment.scatter = real * data;
+    // Of what the data alone would say; along what they leave open they say nothing.
+    const Vector12 off = random.of(real * inverse(Matrix12(data + 1e-3 * Matrix12::Identity())));
+    Vector12 seen;
+    seen << se3_log(prior.mean.pose.inverse() * truth.pose) + off.head<6>(),
+        truth.twist - prior.mean.twist + off.tail<6>();
+    Vector12 e = seen;
+    for (int round = 0; round < 200; ++round) {  // where both gradients are zero
+      const Matrix12 held = prior_weight(e.dot(prior.information * e)) * prior.information;
+      e = 0.5 * (e + solve(Matrix12(data / assumed + held), Vector12(data / assumed * seen)));
+    }
+    alignment.moving = {prior.mean.pose * se3_exp(e.head<6>()), prior.mean.twist + e.tail<6>()};
+    errors.update(prior, alignment, kAll, assumed, alignment.moving);
+    filter.update(prior, alignment, assumed);
+  }
+};
+
+Matrix12 strong_data() {
+  Vector12 diagonal;
+  diagonal << 400, 500, 300, 900, 800, 1000, 4, 5, 3, 9, 8, 10;
+  Matrix12 data = diagonal.asDiagonal();
+  data(0, 6) = data(6, 0) = 15;  // the pose at the stamp and the velocity come from the same points
+  return data;
+}
+
+/// Of the pose, over its degrees of freedom: one where the covariance is right.
+double normalised_error(double assumed, double share) {
+  double sum = 0;
+  const int drives = 120, scans = 60;
+  int count = 0;
+  for (int d = 0; d < drives; ++d) {
+    Drive drive(static_cast<unsigned>(d + 1));
+    for (int k = 0; k < scans; ++k) {
+      drive.step(strong_data(), 1e-3, assumed, share);
+      if (k < 40) continue;
+      const Vector6 e = drive.error().head<6>();
+      const Matrix6 covariance = drive.errors.covariance().topLeftCorner<6, 6>();
+      sum += e.dot(covariance.inverse() * e) / 6;
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+}  // namespace
+
+TEST_CASE("the covariance is that of the errors, whatever the filter takes for granted") {
+  for (const double assumed : {1e-3, 3e-2}) {
+    for (const double share : {0.01, 0.3}) {
+      CAPTURE(assumed);
+      CAPTURE(share);
+      const double normalised = normalised_error(assumed, share);
+      CHECK(normalised > 0.6);
+      CHECK(normalised < 1.5);
+    }
+  }
+}
+
+TEST_CASE("what nothing holds is known less and less") {
+  Matrix12 data = strong_data();
+  data.row(0).setZero();
+  data.col(0).setZero();
+  data.row(6).setZero();
+  data.col(6).setZero();
+  data(0, 0) = data(6, 6) = 1e-9;
+  Drive drive(3, 0.0);  // what turns is held by what it sees beside it, in the end
+  for (int k = 0; k < 5; ++k) drive.step(strong_data(), 1e-3, 1e-3, 0.1);
+  const double known = drive.errors.covariance()(0, 0);
+  double last = known;
+  for (int stretch = 0; stretch < 3; ++stretch) {
+    for (int k = 0; k < 10; ++k) drive.step(data, 1e-3, 1e-3, 0.1);
+    CHECK(drive.errors.covariance()(0, 0) > 2 * last);
+    last = drive.errors.covariance()(0, 0);
+  }
+  CHECK(last > 100 * known);
+  CHECK(drive.errors.covariance()(1, 1) < 0.01 * last);
+}
+
+TEST_CASE("an abrupt motion shows in the scan that sees it") {
+  Drive drive(4);
+  for (int k = 0; k < 50; ++k) drive.step(strong_data(), 1e-4, 3e-2, 0.001);
+  const double calm = drive.errors.covariance()(1, 1);
+  drive.truth.twist[1] += 2.0;
+  drive.step(strong_data(), 1e-4, 3e-2, 0.001);
+  CHECK(drive.errors.covariance()(1, 1) > 10 * calm);
+}
+
+TEST_CASE("the error of a pose that new ground is seen from becomes one of the map") {
+  MotionErrors errors;
+  Matrix12 covariance = strong_data() * 1e-3;
+  errors.start(covariance);
+  errors.leave_to_map(0.25);
+  CHECK(errors.covariance().topLeftCorner<6, 6>().isApprox(0.75 * covariance.topLeftCorner<6, 6>()));
+  CHECK(errors.covariance().bottomRightCorner<6, 6>().isApprox(covariance.bottomRightCorner<6, 6>()));
+  CHECK(errors.covariance().llt().info() == Eigen::Success);
+  errors.leave_to_map(1.0);
+  CHECK(errors.covariance().topRows<6>().isZero());
+}
+
+}  // namespace scanlock
