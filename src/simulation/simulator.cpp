@@ -42,22 +42,19 @@ SimulationConfig checked(const SimulationConfig& config) {
   return config;
 }
 
-DriveStyle started(DriveStyle style, double start_mps) {
-  style.start_mps = start_mps;
-  return style;
-}
-
 World world_of(const SimulationConfig& config) {
-  if (config.laps) return make_looped_world(config.world, config.seed, *config.laps, config.speed_mps);
-  return make_world(config.world, config.seed, config.seconds.value_or(kDefaultSeconds), config.speed_mps);
+  if (config.laps)
+    return make_looped_world(config.world, config.seed, *config.laps, config.speed_mps,
+                             config.start_speed_mps);
+  return make_world(config.world, config.seed, config.seconds.value_or(kDefaultSeconds), config.speed_mps,
+                    config.start_speed_mps);
 }
 
 /// The length of the drive, for which all events have to come in time.
 double drive_seconds(const SimulationConfig& config, const World& world, const LidarModel& lidar) {
   double seconds = config.seconds.value_or(config.laps ? kLongest : kDefaultSeconds);
   if (config.laps) {
-    const DriveStyle style = started(world.style, config.start_speed_mps);
-    const double laps_s = driving_time(world.route, style, world.laps_end_m, config.seed);
+    const double laps_s = driving_time(world.route, world.style, world.laps_end_m, config.seed);
     if (laps_s > kLongest && !config.seconds)
       throw std::invalid_argument("the laps take " + text_of(laps_s) +
                                   " s, more than 36000: let it drive fewer or faster");
@@ -88,8 +85,7 @@ Simulator::Simulator(const SimulationConfig& config)
       lidar_(LidarModel::of(config.lidar)),
       world_(world_of(config)),
       seconds_(drive_seconds(config, world_, lidar_)),
-      drive_(world_.route, world_.scene.terrain(), started(world_.style, config.start_speed_mps),
-             config.events, seconds_, config.seed),
+      drive_(world_.route, world_.scene.terrain(), world_.style, config.events, seconds_, config.seed),
       beams_(lidar_.sweep(0)) {
   if (config_.noise_m) lidar_.noise = *config_.noise_m;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "simulation/world.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -44,7 +45,9 @@ Mover make_person(const Polyline& path, double start, double speed) {
 }
 
 double needed_length(const DriveStyle& style, double seconds) {
-  return style.fast_mps * (seconds + 3) + 40;
+  const double longest = seconds + 3, faster = std::max(style.start_mps - style.fast_mps, 0.0);
+  const double braked = std::min(longest, faster / style.brake);  // seconds
+  return style.fast_mps * longest + faster * braked - style.brake * braked * braked / 2 + 40;
 }
 
 DriveStyle style_of(WorldKind kind) {
@@ -98,9 +101,11 @@ DriveStyle style_of(WorldKind kind) {
 
 namespace {
 
-World make(WorldKind kind, std::uint64_t seed, const RouteExtent& extent, double speed_mps) {
+World make(WorldKind kind, std::uint64_t seed, const RouteExtent& extent, double speed_mps,
+           double start_mps) {
   DriveStyle style = style_of(kind);
   if (speed_mps > 0) style.slow_mps = style.fast_mps = speed_mps;
+  style.start_mps = start_mps;
   switch (kind) {
     case WorldKind::kUrban:
       return make_urban(seed, extent, style);
@@ -122,12 +127,12 @@ World make(WorldKind kind, std::uint64_t seed, const RouteExtent& extent, double
 
 }  // namespace
 
-World make_world(WorldKind kind, std::uint64_t seed, double seconds, double speed_mps) {
-  return make(kind, seed, {seconds, 0}, speed_mps);
+World make_world(WorldKind kind, std::uint64_t seed, double seconds, double speed_mps, double start_mps) {
+  return make(kind, seed, {seconds, 0}, speed_mps, start_mps);
 }
 
-World make_looped_world(WorldKind kind, std::uint64_t seed, int laps, double speed_mps) {
-  return make(kind, seed, {0, laps}, speed_mps);
+World make_looped_world(WorldKind kind, std::uint64_t seed, int laps, double speed_mps, double start_mps) {
+  return make(kind, seed, {0, laps}, speed_mps, start_mps);
 }
 
 }  // namespace scanlock

@@ -41,13 +41,16 @@ struct World {
 };
 
 /// A world made from the seed alone, with a route for a drive of `seconds`.
-/// `speed_mps` above 0 replaces the world's own cruising speeds by this one (bends are still taken slower).
-World make_world(WorldKind kind, std::uint64_t seed, double seconds, double speed_mps = 0);
+/// `speed_mps` above 0 replaces the world's own cruising speeds by this one (bends are still taken slower);
+/// `start_mps` is the speed as the drive begins.
+World make_world(WorldKind kind, std::uint64_t seed, double seconds, double speed_mps = 0,
+                 double start_mps = 0);
 
 /// A world whose route is a closed loop, driven `laps` times, each time a little to the side of the last.
 /// Indoors it is another floor: a ring of corridors. Throws std::invalid_argument for the tunnel, which is a
 /// straight way.
-World make_looped_world(WorldKind kind, std::uint64_t seed, int laps, double speed_mps = 0);
+World make_looped_world(WorldKind kind, std::uint64_t seed, int laps, double speed_mps = 0,
+                        double start_mps = 0);
 
 /// What a route has to be long enough for: a drive of `seconds`, or, where they are more than 0, `laps`.
 struct RouteExtent {
