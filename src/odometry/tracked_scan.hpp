@@ -16,7 +16,7 @@ enum class TrackingState : std::int8_t {
   kInitialising = 0,  ///< no map yet
   kTracking = 1,      ///< aligned with the map
   /// Aligned, but along an axis (`degenerate_axes` says which) less certain than TRACKING promises (0.05 m or
-  /// 1 degree at two standard deviations, against the map around the robot), or data is missing: scans, or
+  /// 1 degree at three standard deviations, against the map around the robot), or data is missing: scans, or
   /// most of what a scan shows in the map.
   kDegraded = 2,
   kRecovering = 3,  ///< the energy jumped: a global search runs, the pose is predicted

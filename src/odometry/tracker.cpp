@@ -21,8 +21,8 @@ namespace {
 constexpr double kMicro = 1e-6;
 
 // What TRACKING promises: the pose is as near as this to where it is against the map around it, along each
-// axis, in 95 % of such scans at least (two standard deviations). All others are DEGRADED.
-constexpr double kTrackedMetres = 0.05, kTrackedRadians = 1.0 * kDegree, kTrackedSigmas = 2.0;
+// axis, in 99.7 % of such scans at least (three standard deviations). All others are DEGRADED.
+constexpr double kTrackedMetres = 0.05, kTrackedRadians = 1.0 * kDegree, kTrackedSigmas = 3.0;
 
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
