@@ -33,6 +33,7 @@ double of_velocity(const Matrix12& covariance, int first) {
 void MotionErrors::start(const Matrix12& covariance) {
   covariance_ = covariance;
   accelerations_ = {};
+  velocity_known_ = false;
 }
 
 void MotionErrors::update(const MotionPrior& prior, const ScanAlignment& alignment, const Matrix6& taken,
@@ -48,7 +49,8 @@ void MotionErrors::update(const MotionPrior& prior, const ScanAlignment& alignme
   const Matrix12 carried = prior.transition * covariance_ * prior.transition.transpose();
   // A prior that was not predicted from a state is taken at its word.
   Matrix12 predicted = prior.ahead_s > 0 ? carried : inverse(prior.information);
-  if (prior.ahead_s > 0) {
+  if (prior.ahead_s > 0 && !velocity_known_) predicted += prior.noise;
+  if (prior.ahead_s > 0 && velocity_known_) {
     // What the update moved the state by is (G - I) e_predicted + L g.
     const Matrix12 moved = g - Matrix12::Identity();
     const Matrix12 explained = moved * carried * moved.transpose() + measured;
@@ -68,6 +70,7 @@ void MotionErrors::update(const MotionPrior& prior, const ScanAlignment& alignme
       predicted += std::max(acceleration.share(), now.share()) * noise;
     }
   }
+  velocity_known_ = true;
   covariance_ = g * predicted * g.transpose() + measured;
 }
 
