@@ -66,18 +66,32 @@ void ScanClock::extend(Chain& chain, const Scan& scan) const {
   ++chain.scans;
 }
 
+/// Scans come in the order in which they were taken, however late some process stamped each of them. What is
+/// stamped before its predecessor by no more than scans may be held up is the next scan of an irregular
+/// clock.
+bool ScanClock::is_late(const Scan& scan) const {
+  const double behind = difference_s(clock_.last, scan.utime);
+  return clock_.by_arrival == scan.stamped_by_arrival && behind > 0 && behind <= kLate && irregular();
+}
+
 ScanClock::Reading ScanClock::accept(const Scan& scan) {
   Reading reading;
-  reading.last_utime = clock_.last;
+  reading.last_utime = last_taken_;
+  const bool late = is_late(scan);
   if (clock_.scans > 0) {
-    reading.elapsed_s = reading.most_elapsed_s = difference_s(scan.utime, clock_.last);
+    // Measured from the newest stamp, so that the periods add up to the time that passed.
+    reading.elapsed_s = reading.most_elapsed_s = late ? 0.0 : difference_s(scan.utime, clock_.last);
     note_period(reading.elapsed_s);
-    if (irregular()) {
+    if (late || irregular()) {
       reading.elapsed_s = mean_period_s();
       reading.most_elapsed_s = std::max(reading.elapsed_s, reading.most_elapsed_s);
     }
   }
-  extend(clock_, scan);
+  if (late)
+    ++clock_.scans;
+  else
+    extend(clock_, scan);
+  last_taken_ = scan.utime;
   rejected_ = {};
   return reading;
 }
@@ -85,27 +99,28 @@ ScanClock::Reading ScanClock::accept(const Scan& scan) {
 ScanClock::Reading ScanClock::step() {
   Reading reading;
   reading.verdict = Verdict::kStepped;
-  reading.last_utime = clock_.last;
+  reading.last_utime = last_taken_;
   const double seen = difference_s(rejected_.last, rejected_.first);
   const double period = periods_noted_ > 0 ? period_s() : seen / (kScansOfAStep - 1);
   reading.elapsed_s = irregular() ? kScansOfAStep * mean_period_s() : seen + period;
   // Irregular stamps step without any cause.
   reading.most_elapsed_s = irregular() ? reading.elapsed_s : std::max(reading.elapsed_s, kLongestGap);
   clock_ = rejected_;
+  last_taken_ = clock_.last;
   rejected_ = other_ = {};
   return reading;
 }
 
 ScanClock::Reading ScanClock::read(const Scan& scan) {
-  if (clock_.scans == 0 || advances(clock_, scan)) return accept(scan);
   Reading reading;
-  reading.last_utime = clock_.last;
+  reading.last_utime = last_taken_;
   const double behind = difference_s(clock_.last, scan.utime);
   const bool same = clock_.by_arrival == scan.stamped_by_arrival;
-  if (same && behind == 0) {
+  if (clock_.scans > 0 && same && (behind == 0 || scan.utime == last_taken_)) {
     reading.verdict = Verdict::kDuplicate;
     return reading;
   }
+  if (clock_.scans == 0 || advances(clock_, scan) || is_late(scan)) return accept(scan);
   extend(rejected_, scan);
   extend(other_, scan);
   if (rejected_.scans == kScansOfAStep) return step();

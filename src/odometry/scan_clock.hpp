@@ -15,14 +15,15 @@ inline constexpr double kLongestGap = 3.0;  // seconds
 
 /// Whether stamps of scans come from one clock, and how much time passed between two of them. A stamp that
 /// disagrees with its neighbours is rejected; three in a row that agree with each other on another clock are
-/// a step of the clock. By the stamps alone, so that a replay comes to what the robot came to.
+/// a step of the clock. Stamps that are those of a process and not of the sensor are taken in the order in
+/// which they arrive. By the stamps alone, so that a replay comes to what the robot came to.
 class ScanClock {
  public:
   enum class Verdict : std::int8_t {
     kContinues,   ///< the next scan of the clock
     kStepped,     ///< the third in a row of another clock, which is the clock from now on
     kDuplicate,   ///< the stamp of the last scan: rejected, as are the two below
-    kBackward,    ///< up to a second earlier than the last scan
+    kBackward,    ///< up to a second earlier than the last scan, by a clock that is regular
     kOtherClock,  ///< farther off, or stamped in another way
   };
   struct Reading {
@@ -53,6 +54,7 @@ class ScanClock {
   Reading accept(const Scan& scan);
   Reading step();
   bool irregular() const;
+  bool is_late(const Scan& scan) const;
   double mean_period_s() const;
   double period_quantile_s(double share) const;
   void note_period(double seconds);
@@ -60,9 +62,10 @@ class ScanClock {
   static constexpr int kPeriods = 31, kTooShort = 3;
   std::array<double, kPeriods> periods_{};  ///< the last ones between two scans that were taken, a ring
   int periods_noted_ = 0;
-  Chain clock_;     ///< of the scans that are taken
-  Chain rejected_;  ///< of the scans rejected in a row
-  Chain other_;     ///< of the scans rejected, with others taken in between
+  Chain clock_;                  ///< of the scans that are taken; its last is the newest stamp
+  Chain rejected_;               ///< of the scans rejected in a row
+  std::int64_t last_taken_ = 0;  ///< stamp of the last scan that was taken, microseconds
+  Chain other_;                  ///< of the scans rejected, with others taken in between
 };
 
 }  // namespace scanlock

@@ -45,7 +45,7 @@ enum class ScanVerdict : std::int8_t {
   kTracked = 0,
   kEmpty = 1,          ///< too few finite points within the range limits
   kDuplicateTime = 2,  ///< same utime as the scan before
-  kBackwardTime = 3,   ///< up to a second earlier than the scan before
+  kBackwardTime = 3,   ///< up to a second earlier than the scan before, by a clock that is regular
   kOtherClock = 4,     ///< stamped by another clock than the scans around it
 };
 const char* to_string(ScanVerdict verdict);

@@ -122,3 +122,46 @@ TEST_CASE("two clocks that interleave are found out and one of them is followed"
   CHECK(interleaved > 10);
   CHECK(interleaved < 20);
 }
+
+namespace {
+
+/// Seconds: scans taken every 0.2 s, stamped by a process that is busy for 0.3 s every fourth time, and half
+/// a second behind every tenth.
+double stamped_s(int i) {
+  const double written = 0.2 * i + 0.3 * (i % 4 == 0) + 0.001 * (i % 4);
+  return i % 10 == 7 ? written - 0.5 : written;
+}
+
+}  // namespace
+
+TEST_CASE("of a clock that is irregular late scans are taken in the order of their arrival") {
+  ScanClock clock;
+  double elapsed = 0;
+  for (int i = 0; i < 240; ++i) {
+    CAPTURE(i);
+    const std::int64_t utime = kStart + static_cast<std::int64_t>(1e6 * stamped_s(i));
+    const ScanClock::Reading reading = clock.read(at(utime));
+    if (i < 60) continue;
+    CHECK(reading.verdict == Verdict::kContinues);
+    CHECK(reading.elapsed_s == doctest::Approx(0.2).epsilon(0.1));
+    CHECK(reading.most_elapsed_s >= reading.elapsed_s);
+    elapsed += reading.elapsed_s;
+    CHECK(clock.read(at(utime)).verdict == Verdict::kDuplicate);
+    CHECK(clock.read(at(utime - 2 * kSecond)).verdict == Verdict::kOtherClock);
+  }
+  CHECK(elapsed == doctest::Approx(36).epsilon(0.02));
+}
+
+TEST_CASE("an irregular clock that steps back is followed while it is late") {
+  ScanClock clock;
+  for (int i = 0; i < 200; ++i) {
+    const double back = i < 100 ? 0 : 0.9;
+    const ScanClock::Reading reading =
+        clock.read(at(kStart + static_cast<std::int64_t>(1e6 * (stamped_s(i) - back))));
+    CAPTURE(i);
+    if (i < 60) continue;
+    CHECK(clock.accepts(reading.verdict));
+    CHECK(reading.elapsed_s > 0.1);
+    CHECK(reading.elapsed_s < 0.3);
+  }
+}
