@@ -285,10 +285,13 @@ void check_channels(const DaemonConfig& daemon) {
 void check_config(const Config& config) {
   check_channels(config.daemon);
   const TrackerConfig& tracker = config.tracker;
-  if (!(tracker.min_range_m < tracker.max_range_m))
-    fail("", "tracker.min_range_m",
-         to_text(tracker.min_range_m) + " m is not below tracker.max_range_m, " +
-             to_text(tracker.max_range_m) + " m: no point of a scan would be left");
+  for (const auto& [name, nearest] : {std::pair("tracker.min_range_m", tracker.min_range_m),
+                                      std::pair("tracker.planar_min_range_m", tracker.planar_min_range_m)}) {
+    if (!(nearest < tracker.max_range_m))
+      fail("", name,
+           to_text(nearest) + " m is not below tracker.max_range_m, " + to_text(tracker.max_range_m) +
+               " m: no point of a scan would be left");
+  }
   if (!(tracker.min_voxel_m <= tracker.max_voxel_m))
     fail("", "tracker.min_voxel_m",
          to_text(tracker.min_voxel_m) + " m is above tracker.max_voxel_m, " + to_text(tracker.max_voxel_m) +

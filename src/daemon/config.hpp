@@ -35,6 +35,7 @@ struct DaemonConfig {
   int max_message_bytes = 64 << 20;
   int max_points = 2000000;
   bool mbot_clockwise = false;
+  double planar_no_return_m = 50;
   std::string command_channel = "SCANLOCK_COMMAND";
   std::string attitude_channel;        ///< bot_core.ins_t; empty: none, as for the next one
   std::string prior_odometry_channel;  ///< bot_core.pose_t of wheels, legs or whatever else

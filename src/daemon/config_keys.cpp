@@ -52,6 +52,7 @@ std::vector<ConfigKey> make_table() {
     make_key("input", "max_message_bytes", &D::max_message_bytes, "bytes", 1024, 1 << 28, "larger messages are rejected unread"),
     make_key("input", "max_points", &D::max_points, "points", 1, 20000000, "scans of more points are rejected"),
     make_key("input", "mbot_clockwise", &D::mbot_clockwise, "", 0, 1, "sense of the angles in mbot's lidar_t: false when they grow counter-clockwise seen from above"),
+    make_key("input", "planar_no_return_m", &D::planar_no_return_m, "m", 1, 10000, "ranges of planar_lidar_t and mbot's lidar_t from here on are no returns: scanners that saw nothing write their largest number"),
     make_key("input", "command_channel", &D::command_channel, "", 0, kMaxChannelLength, "scanlock.command_t: set pose, reset, save map, load map; empty: none are taken"),
     make_key("input", "attitude_channel", &D::attitude_channel, "", 0, kMaxChannelLength, "bot_core.ins_t of the body: its roll and pitch tell where up is; empty: none"),
     make_key("input", "prior_odometry_channel", &D::prior_odometry_channel, "", 0, kMaxChannelLength, "bot_core.pose_t of the body from another odometry (wheels, legs): its motion from scan to scan serves as a prediction; empty: none"),
@@ -85,7 +86,8 @@ std::vector<ConfigKey> make_table() {
     make_key("map", "up", &F::up, "", 0, 2, "axis of a bare cloud that points upwards", {"x", "-x", "y", "-y", "z", "-z"}),
     make_key("map", "save_period_s", &F::save_period_s, "s", 0, 86400, "the map is also saved so often when it has grown, for an exit that is not clean; 0: not"),
 
-    TRACKER(min_range_m, "m", 0, 1000, "returns nearer than this are the robot itself"),
+    TRACKER(min_range_m, "m", 0, 1000, "returns nearer than this are the robot itself; those of planar scanners: see the next one"),
+    TRACKER(planar_min_range_m, "m", 0, 1000, "the same for planar scanners, most of which are mounted to see nothing of the robot"),
     TRACKER(max_range_m, "m", 1, 10000, "returns farther than this are dropped"),
     TRACKER(threads, "threads", 1, 256, "worker threads of one alignment; the result does not depend on it"),
     TRACKER(map_points_per_scan, "points", 100, 1000000, "the voxel of the map is chosen to leave about so many points of a scan"),

@@ -16,7 +16,7 @@ using Clock = std::chrono::steady_clock;
 Intake::Intake(const DaemonConfig& config, Statistics& statistics)
     : command_channel_(config.command_channel),
       limits_{static_cast<std::size_t>(config.max_message_bytes), static_cast<std::size_t>(config.max_points),
-              config.mbot_clockwise},
+              config.mbot_clockwise, config.planar_no_return_m},
       statistics_(statistics),
       priors_(config) {
   for (const std::string& channel : config.scan_channels)

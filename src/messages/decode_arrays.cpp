@@ -51,9 +51,9 @@ bool keep_point(float x, float y, float z, DecodedScan& decoded) {
   return usable;
 }
 
-/// A return of a planar scanner; a range that is not positive is no return.
-bool keep_beam(float range, float angle, DecodedScan& decoded) {
-  if (!(range > 0)) range = std::nanf("");
+/// A return of a planar scanner; a range that is not positive, or the number for nothing seen, is no return.
+bool keep_beam(float range, float angle, const DecodeLimits& limits, DecodedScan& decoded) {
+  if (!(range > 0 && static_cast<double>(range) < limits.planar_no_return_m)) range = std::nanf("");
   return keep_point(range * cos(angle), range * sin(angle), 0.0f, decoded);
 }
 
@@ -120,7 +120,7 @@ void decode_planar_lidar(ByteReader& reader, const DecodeLimits& limits, Decoded
 
   decoded.scan.points.reserve(count);
   for (std::size_t i = 0; i < count; ++i)
-    if (keep_beam(float_at(ranges, i), first_angle + static_cast<float>(i) * angle_step, decoded) &&
+    if (keep_beam(float_at(ranges, i), first_angle + static_cast<float>(i) * angle_step, limits, decoded) &&
         intensity_count > 0)
       decoded.scan.points.intensity.push_back(finite_or_zero(float_at(intensities, i)));
   decoded.time_field = "no time of each beam in this type";
@@ -140,7 +140,7 @@ void decode_mbot_lidar(ByteReader& reader, const DecodeLimits& limits, DecodedSc
   const float sense = limits.mbot_clockwise ? -1.0f : 1.0f;
   std::vector<double> raw_times;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!keep_beam(float_at(ranges, i), sense * float_at(thetas, i), decoded)) continue;
+    if (!keep_beam(float_at(ranges, i), sense * float_at(thetas, i), limits, decoded)) continue;
     decoded.scan.points.intensity.push_back(finite_or_zero(float_at(intensities, i)));
     raw_times.push_back(static_cast<double>(int64_at(times, i)));
   }

@@ -27,6 +27,9 @@ struct DecodeLimits {
   /// mbot_lcm_msgs.lidar_t: drivers of both senses exist. False: thetas grow counter-clockwise seen from
   /// above.
   bool mbot_clockwise = false;
+  /// Metres: a planar scanner that saw nothing says a range from here on, the largest number that it has
+  /// (SICK 81.83 to 81.91, Hokuyo 60 or 65.53).
+  double planar_no_return_m = 50;
 };
 
 struct DecodedScan {

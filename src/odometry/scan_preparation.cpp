@@ -65,14 +65,15 @@ class RangeHistogram {
   std::array<std::uint32_t, 1u << (31 - kShift)> counts_{};
 };
 
-bool is_planar(const PointCloud& points, const CroppedScan& cropped) {
-  constexpr float kFlat = 1e-3f;  // of the range
-  return std::all_of(cropped.indices.begin(), cropped.indices.end(), [&](std::uint32_t i) {
-    return std::abs(points.z[i]) <= kFlat * points.point(i).norm();
-  });
-}
-
 }  // namespace
+
+bool is_planar(const PointCloud& points) {
+  constexpr float kFlat = 1e-3f;  // of the range
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (std::abs(points.z[i]) > kFlat * points.point(i).norm()) return false;  // never of NaN
+  }
+  return true;
+}
 
 CroppedScan crop(const PointCloud& points, double min_range, double max_range) {
   CroppedScan result;
@@ -106,10 +107,10 @@ std::string why_too_few(const PointCloud& points, const CroppedScan& cropped, do
   char text[256];
   std::snprintf(
       text, sizeof text,
-      "%zu of its %zu points are from %g to %g m away (tracker.min_range_m, max_range_m), too few to "
+      "%zu of its %zu points are from %g to %g m away (tracker.%smin_range_m, max_range_m), too few to "
       "align; their median range is %.3g m%s",
-      cropped.indices.size(), points.size(), min_range, max_range, static_cast<double>(*middle),
-      *middle > kMostLidars ? ": are they millimetres?" : "");
+      cropped.indices.size(), points.size(), min_range, max_range, is_planar(points) ? "planar_" : "",
+      static_cast<double>(*middle), *middle > kMostLidars ? ": are they millimetres?" : "");
   return text;
 }
 
@@ -143,7 +144,7 @@ PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, Vox
                        int max_source_points) {
   PreparedScan result;
   result.median_range = cropped.median_range;
-  result.planar = is_planar(points, cropped);
+  result.planar = is_planar(points);
   std::vector<std::uint32_t> fine;
   // The first scan settles the size; later ones change it by one step at a time, for the scan after them.
   for (int round = 0; round < (first ? kSettlingRounds : 1); ++round) {

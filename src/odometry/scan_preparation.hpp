@@ -10,6 +10,9 @@
 
 namespace scanlock {
 
+/// Whether all points lie in the plane of x and y; those that are not finite do not count.
+bool is_planar(const PointCloud& points);
+
 /// The points of a scan that are finite and within [min_range, max_range] metres, as indices, and how large
 /// the scene is.
 struct CroppedScan {

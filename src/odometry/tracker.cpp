@@ -394,7 +394,8 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
     return tracked;
   }
 
-  const CroppedScan cropped = crop(scan.points, s.config.min_range_m, s.config.max_range_m);
+  const double min_range = is_planar(scan.points) ? s.config.planar_min_range_m : s.config.min_range_m;
+  const CroppedScan cropped = crop(scan.points, min_range, s.config.max_range_m);
   const PreparedScan prepared =
       thin_scan(scan.points, cropped, &s.scale, !s.begun, s.config.max_source_points);
   tracked.points_used = static_cast<int>(prepared.source.size());
@@ -402,7 +403,7 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
   const bool seen = prepared.source.size() >= kLeastPoints;
   if (!seen) {
     tracked.verdict = ScanVerdict::kEmpty;
-    tracked.why = why_too_few(scan.points, cropped, s.config.min_range_m, s.config.max_range_m);
+    tracked.why = why_too_few(scan.points, cropped, min_range, s.config.max_range_m);
   }
   if (!seen && !s.begun) return tracked;
 

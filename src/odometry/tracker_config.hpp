@@ -10,13 +10,15 @@ namespace scanlock {
 /// depend on the scene follow its size. `daemon/config.cpp` lists every member with its unit, range and one
 /// line of explanation.
 struct TrackerConfig {
-  double min_range_m = 0.5;    ///< returns nearer than this are the robot itself
+  double min_range_m = 0.5;  ///< returns nearer than this are the robot itself
+  double planar_min_range_m =
+      0.1;                     ///< the same of a planar sensor: most are mounted to see nothing of the robot
   double max_range_m = 120.0;  ///< returns farther than this are dropped
   int threads = 1;             ///< worker threads of one alignment; the result does not depend on it
 
   int map_points_per_scan =
-      14000;  ///< the voxel of the map is chosen to leave about so many points of a scan
-  double min_voxel_m = 0.05;
+      14000;                     ///< the voxel of the map is chosen to leave about so many points of a scan
+  double min_voxel_m = 0.03;     ///< twice the noise of ranges: of finer ones a surface is noise
   double max_voxel_m = 0.7;      ///< of coarser ones no surface of a trunk is left
   int max_source_points = 2500;  ///< points of a scan that are aligned
 

@@ -112,6 +112,17 @@ TEST_CASE("a planar scan becomes points at height zero") {
   CHECK(decoded.error.find("radstep") != std::string::npos);
 }
 
+TEST_CASE("a planar range from the number for nothing seen on is no return") {
+  bot_core::planar_lidar_t message{};
+  message.ranges = {1, 49.5f, 50, 81.91f};
+  message.nranges = 4;
+  CHECK(decode(message).scan.points.x == std::vector<float>{1, 49.5f});
+  CHECK(decode(message).nonfinite_points == 2);
+  DecodeLimits limits;
+  limits.planar_no_return_m = 80;
+  CHECK(decode(message, limits).scan.points.size() == 3);
+}
+
 TEST_CASE("a planar scan that we encode has the nearest point of each beam") {
   Scan scan;
   scan.points.push_back(3, 0, 0);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -89,6 +90,24 @@ inline Scan planar_hall_scan(const Pose& pose, const Vector6& twist, std::int64_
     const double range = hall_range(at.translation(), at.linear() * ray) + noise(rng);
     scan.points.push_back((range * ray).cast<float>());
     scan.points.time.push_back(static_cast<float>(time));
+  }
+  return scan;
+}
+
+/// A nook of 2.1 x 1.2 m and a step in one of its walls, seen by a planar sensor of 180 degrees that turns on
+/// the spot, five scans a second, and has no times of its beams.
+inline Scan nook_scan(double heading, int i) {
+  std::mt19937 rng(static_cast<unsigned>(i));
+  std::normal_distribution<double> noise(0, 0.01);
+  Scan scan;
+  scan.utime = 200000 * static_cast<std::int64_t>(i);
+  for (int beam = 0; beam < 181; ++beam) {
+    const Eigen::Vector3d ray = se3_exp(yaw((beam - 90) * 3.14159265358979 / 180)).linear().col(0),
+                          at = se3_exp(yaw(heading)).linear() * ray;
+    const double to_side = (at.x() > 0 ? 1.35 : -0.75) / at.x();
+    const double to_end = (at.y() < 0 ? -0.5 : at.x() > 0 ? 0.4 : 0.7) / at.y();
+    const double range = std::min(to_side, to_end) + noise(rng);
+    scan.points.push_back((range * ray).cast<float>());
   }
   return scan;
 }
