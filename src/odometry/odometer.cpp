@@ -178,10 +178,15 @@ Attempt Odometer::look_far(const PreparedScan& scan, const MotionPrior& prior) {
   for (const double turn : kTurns) {
     MotionPrior turned = prior;
     turned.mean.pose.linear() = prior.mean.pose.linear() * rotation_about_z(turn);
+    if (prior.ahead_s > 0) turned.mean.twist = twist_to(turned.mean.pose, prior.ahead_s);
     best = better(std::move(best), align(scan, turned, Reach::kFar));
   }
   best.prior = prior;
   return best;
+}
+
+Vector6 Odometer::twist_to(const Pose& pose, double seconds) const {
+  return se3_log(filter_.state().pose.inverse() * pose) / seconds;
 }
 
 Attempt Odometer::probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach) {

@@ -164,7 +164,7 @@ struct Tracker::State {
         !near(prior.mean.pose, last_trusted.map_from_body, kWithinReach * scan.median_range, kWithinTurn);
     if (moved && !explains(far, kJumpScore)) {
       loose.mean = {last_trusted.map_from_body, Vector6::Zero()};
-      far = better(std::move(far), odometer.align(part, loose, Reach::kFar));
+      far = better(std::move(far), odometer.look_far(part, loose));
     }
     far.prior = prior;
     if (explains(far, kHopelessScore) && plausible(far)) {
