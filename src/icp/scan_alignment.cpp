@@ -216,44 +216,28 @@ struct ScanAligner::Workspace final : DescentProblem {
     return straight > 0 ? std::max(bent / straight, kLeastCurvature) : 1.0;
   }
 
-  /// Covariance of the gradient of the data, from the patches of the scene: the jackknife over clusters.
-  /// Without the points of a patch, whose gradient is g and whose part of the second derivative H, the
-  /// alignment ends d = (M - H)^-1 g away, M the second derivative of all, prior included. The sum of d d^T
-  /// is the covariance of the outcome; M times it times M is that of the gradient. (The sum of g g^T alone
-  /// says too little of a direction that few patches hold, for they leave no residuals there.)
-  Matrix12 scatter(const Matrix12& information, double curvature) const {
+  /// Sum of g g^T over the patches of the scene, g the sum of w r j of the points in it.
+  Matrix12 scatter() const {
     std::vector<Eigen::Matrix<double, 6, 12>> bases;
     for (int k = 0; k <= ScanMotion::kKnots; ++k) bases.push_back(basis_of(k));
-    struct Part {
-      std::uint64_t patch;
-      Vector12 derivative;  // of a residual
-      double weight, residual;
-    };
-    std::vector<Part> parts;
+    std::vector<std::pair<std::uint64_t, Vector12>> parts;
     parts.reserve(source->size());
     visit_rows([&](const Row& row) {
-      parts.push_back({patch_of(row.point), bases[static_cast<std::size_t>(row.knot)].transpose() * row.j,
-                       row.weight * kernel[row.point], row.along * row.residual});
+      if (row.along == 0) return;  // its residual is zero
+      const double force = row.weight * kernel[row.point] * row.residual;
+      parts.emplace_back(patch_of(row.point),
+                         force * bases[static_cast<std::size_t>(row.knot)].transpose() * row.j);
     });
     std::stable_sort(parts.begin(), parts.end(),
-                     [](const Part& a, const Part& b) { return a.patch < b.patch; });
-    const Vector12 e = prior_error();
-    const double weight = prior_share() * nu * nu * prior_weight(e.dot(prior->information * e));
-    const Matrix12 all = curvature * information + weight * prior->information;
-    Matrix12 outcome = Matrix12::Zero();
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    Matrix12 scatter = Matrix12::Zero();
     for (std::size_t i = 0; i < parts.size();) {
-      Matrix12 others = all;
-      Vector12 gradient = Vector12::Zero();
-      const std::uint64_t patch = parts[i].patch;
-      for (; i < parts.size() && parts[i].patch == patch; ++i) {
-        others.selfadjointView<Eigen::Lower>().rankUpdate(parts[i].derivative, -curvature * parts[i].weight);
-        gradient += parts[i].weight * parts[i].residual * parts[i].derivative;
-      }
-      const Vector12 without = others.selfadjointView<Eigen::Lower>().llt().solve(gradient);
-      if (without.allFinite()) outcome.selfadjointView<Eigen::Lower>().rankUpdate(without);
+      Vector12 sum = Vector12::Zero();
+      const std::uint64_t patch = parts[i].first;
+      for (; i < parts.size() && parts[i].first == patch; ++i) sum += parts[i].second;
+      scatter.selfadjointView<Eigen::Lower>().rankUpdate(sum);
     }
-    outcome = outcome.selfadjointView<Eigen::Lower>();
-    return all * outcome * all;
+    return scatter.selfadjointView<Eigen::Lower>();
   }
 
   std::uint64_t patch_of(std::size_t i) const {
@@ -370,9 +354,9 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
   work.linearise(true, &result.information, &gradient);
   result.noise = work.noise();
   result.curvature = work.curvature();
+  result.scatter = work.scatter();
   result.sweep_s = work.motion.still() ? 0.0 : work.duration;
   result.moving = work.moving(x);
-  result.scatter = work.scatter(result.information, result.curvature);
   result.matched = work.matched;
   result.median_residual = work.median_absolute_residual();
   result.searches_made = work.correspondences.searches_made();

@@ -42,7 +42,7 @@ class MotionErrors {
   };
 
   Matrix12 covariance_ = Matrix12::Identity();
-  bool velocity_known_ = false;  ///< before, that it changes tells no acceleration
+  bool velocity_known_ = false;                ///< before, that it changes tells no acceleration
   std::array<Acceleration, 2> accelerations_;  ///< linear, angular: of the last second
 };
 

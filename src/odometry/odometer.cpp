@@ -19,6 +19,8 @@ constexpr double kVarianceInflation = 6;
 /// Kernels and gates are this share of the median range, where the voxel is smaller: how far a prediction is
 /// off depends on the scene and the motion, not on the density of the sensor.
 constexpr double kReach = 0.04;
+/// Points nearer each other than this share of the median range share the errors of their surfaces.
+constexpr double kPatch = 0.5;
 constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is better
 constexpr double kFirstSigma = 0.03;
 constexpr double kNearFirst = 3,
@@ -152,8 +154,7 @@ ScanAlignmentOptions Odometer::options(const PreparedScan& scan, const MotionPri
   result.max_iterations = kMostIterations;
   result.gate_margin = (far ? 3.0 : 1.5) * reach_m;
   result.sigma = sigma_ * std::sqrt(inflation());
-  // What is as near to each other as the sensor is to it shares the errors of its surfaces.
-  result.patch = scan.median_range;
+  result.patch = kPatch * scan.median_range;
   result.threads = config_.threads;
   return result;
 }

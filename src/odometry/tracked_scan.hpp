@@ -15,9 +15,9 @@ namespace scanlock {
 enum class TrackingState : std::int8_t {
   kInitialising = 0,  ///< no map yet
   kTracking = 1,      ///< aligned with the map
-  /// Aligned, but along an axis (`degenerate_axes` says which) less certain than TRACKING promises (0.05 m or
-  /// 1 degree at three standard deviations, against the map around the robot), or data is missing: scans, or
-  /// most of what a scan shows in the map.
+  /// Aligned, but less certain than TRACKING promises (of a hundred poses 99 within 0.05 m and 1 degree,
+  /// against the map around the robot; `degenerate_axes` says along which axes not), or data is missing:
+  /// scans, or most of what a scan shows in the map.
   kDegraded = 2,
   kRecovering = 3,  ///< the energy jumped: a global search runs, the pose is predicted
   kAmbiguous = 4,   ///< two places explain the scan equally well; no jump was made

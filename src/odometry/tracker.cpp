@@ -14,15 +14,12 @@
 #include "odometry/relocation.hpp"
 #include "odometry/scan_clock.hpp"
 #include "odometry/scan_preparation.hpp"
+#include "odometry/tracking_promise.hpp"
 
 namespace scanlock {
 namespace {
 
 constexpr double kMicro = 1e-6;
-
-// What TRACKING promises: the pose is as near as this to where it is against the map around it, along each
-// axis, in 99.7 % of such scans at least (three standard deviations). All others are DEGRADED.
-constexpr double kTrackedMetres = 0.05, kTrackedRadians = 1.0 * kDegree, kTrackedSigmas = 3.0;
 
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
 // From the prediction the far look reaches where the robot was last seen, when that is within this share of
@@ -36,16 +33,6 @@ constexpr int kQuietScans = 5;                    // after that, before the map 
 constexpr int kAttitudes = 100;                   // that the upward direction is averaged over
 constexpr std::int64_t kAnotherRun = 3600000000;  // microseconds
 constexpr int kFalseStarts = 3;                   // scans that do not fit the first one: it was no good
-
-/// The axes, as bits (see Degeneracy), along which a pose is not known as TRACKING promises it.
-std::uint32_t unknown_axes(const Matrix6& covariance) {
-  std::uint32_t axes = 0;
-  for (int axis = 0; axis < 6; ++axis) {
-    const double known = (axis < 3 ? kTrackedMetres : kTrackedRadians) / kTrackedSigmas;
-    if (!(covariance(axis, axis) < known * known)) axes |= 1u << axis;
-  }
-  return axes;
-}
 
 Eigen::Vector3d up_in_body(const ScanPrior& hints) {
   return hints.level_from_body->conjugate() * Eigen::Vector3d::UnitZ();
@@ -355,7 +342,7 @@ struct Tracker::State {
     if (tracked->state == TrackingState::kTracking) {
       const Odometer& followed = in_new_map() ? relocation.excursion().odometer() : odometer;
       const std::uint32_t never = odometer.planar() ? kOutOfPlane : 0;  // seen, nor missed, by such a sensor
-      const std::uint32_t missing = unknown_axes(followed.pose_covariance()) & ~never;
+      const std::uint32_t missing = unknown_axes(followed.pose_covariance(), ~never);
       tracked->degenerate_axes = missing | never;
       const bool little = tracked->inliers < kDegradedShare * tracked->points_used;
       if (missing != 0 || little) tracked->state = TrackingState::kDegraded;
