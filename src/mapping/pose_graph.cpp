@@ -134,7 +134,8 @@ class System {
     std::vector<Eigen::Triplet<double>> entries;
     const auto block = [&](Eigen::Index row, Eigen::Index column) {
       for (int j = 0; j < 6; ++j) {
-        for (int i = row == column ? j : 0; i < 6; ++i) entries.emplace_back(6 * row + i, 6 * column + j, 0.0);
+        for (int i = row == column ? j : 0; i < 6; ++i)
+          entries.emplace_back(6 * row + i, 6 * column + j, 0.0);
       }
     };
     for (Eigen::Index i = 0; i < n / 6; ++i) block(i, i);
