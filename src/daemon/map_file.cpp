@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/map_file.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "geometry/linear.hpp"
 #include "io/atomic_file.hpp"
 #include "io/crc32.hpp"
 #include "io/file_bytes.hpp"
@@ -224,9 +223,9 @@ ArchivedKeyframe read_keyframe(MapReader& reader, std::uint32_t version) {
 /// Not negative in any direction, but for rounding.
 bool is_information(const Matrix6& information) {
   if (!information.allFinite()) return false;
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(information, Eigen::EigenvaluesOnly);
+  const Vector6 values = symmetric_eigen(information).values;
   constexpr double kRounding = 1e-9;
-  return solver.info() == Eigen::Success && solver.eigenvalues()[0] >= -kRounding * solver.eigenvalues()[5];
+  return values[0] >= -kRounding * values[5];
 }
 
 Constraint read_constraint(MapReader& reader, std::uint64_t keyframes) {

@@ -3,7 +3,9 @@
 #include "geometry/linear.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <limits>
 
 namespace scanlock {
 
@@ -21,6 +23,16 @@ Matrix12 inverse(const Matrix12& a) {
 
 Matrix6 inverse(const Matrix6& a) {
   return a.inverse();
+}
+
+Matrix6 cholesky(const Matrix6& a) {
+  return a.llt().matrixL();
+}
+
+SymmetricEigen<6> symmetric_eigen(const Matrix6& a) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(a);
+  if (solver.info() == Eigen::Success) return {solver.eigenvalues(), solver.eigenvectors()};
+  return {Vector6::Constant(std::numeric_limits<double>::quiet_NaN()), Matrix6::Identity()};
 }
 
 }  // namespace scanlock

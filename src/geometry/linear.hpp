@@ -3,6 +3,7 @@
 #pragma once
 
 #include "geometry/rigid.hpp"
+#include "geometry/symmetric_eigen.hpp"
 
 namespace scanlock {
 
@@ -18,5 +19,9 @@ Vector12 solve(const Matrix12& a, const Vector12& b);
 Matrix12 inverse(const Matrix12& a);
 /// The inverse of any regular matrix (LU).
 Matrix6 inverse(const Matrix6& a);
+/// The lower triangular l with l l^T = a, for a positive definite a.
+Matrix6 cholesky(const Matrix6& a);
+/// By Eigen's iteration. Where it does not converge values are NaN.
+SymmetricEigen<6> symmetric_eigen(const Matrix6& a);
 
 }  // namespace scanlock

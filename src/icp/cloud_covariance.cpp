@@ -3,7 +3,6 @@
 #include "icp/cloud_covariance.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "geometry/angles.hpp"
+#include "geometry/linear.hpp"
 #include "geometry/voxel_grid.hpp"
 #include "icp/local_surfaces.hpp"
 #include "icp/welsch.hpp"
@@ -159,10 +159,9 @@ AlignmentCertainty alignment_certainty(const PointCloud& source, const CloudTarg
   const double open = std::max(target.diagonal(), 1e-6);
   information.diagonal().head<3>().array() += 1.0 / (open * open);
   information.diagonal().tail<3>().array() += 1.0 / (kOpenRotation * kOpenRotation);
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(information);
-  const Matrix6 centred_covariance = solver.eigenvectors() *
-                                     solver.eigenvalues().cwiseMax(1e-12).cwiseInverse().asDiagonal() *
-                                     solver.eigenvectors().transpose();
+  const SymmetricEigen<6> eigen = symmetric_eigen(information);
+  const Matrix6 centred_covariance =
+      eigen.vectors * eigen.values.cwiseMax(1e-12).cwiseInverse().asDiagonal() * eigen.vectors.transpose();
   // T exp(xi) with T = T_centred shift^-1: xi moves by the adjoint of the shift from the centre to the
   // cloud's origin.
   Pose own_from_centred = Pose::Identity();

@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: MIT
 #include "icp/degeneracy.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "geometry/linear.hpp"
 
 namespace scanlock {
 namespace {
@@ -22,7 +23,7 @@ constexpr double kShareOfAxis = 0.5;
 // tunnels it was half to three times what is expected.
 constexpr double kMostNoise = 2.0;
 
-Eigen::Matrix3d inverse(const Eigen::Matrix3d& block) {
+Eigen::Matrix3d damped_inverse(const Eigen::Matrix3d& block) {
   return (block + Eigen::Matrix3d::Identity() * (1e-9 * block.trace() + 1e-300)).inverse();
 }
 
@@ -37,7 +38,7 @@ std::array<Direction, 3> directions_of(const Matrix6& information, const Matrix6
   const int other = 3 - first;
   const Eigen::Matrix3d kept = information.block<3, 3>(first, first);
   const Eigen::Matrix3d follow =
-      -inverse(information.block<3, 3>(other, other)) * information.block<3, 3>(other, first);
+      -damped_inverse(information.block<3, 3>(other, other)) * information.block<3, 3>(other, first);
   const double trace = kept.trace();
   Eigen::Vector3d known = Eigen::Vector3d::Zero();
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
@@ -84,11 +85,11 @@ Degeneracy find_degeneracy(const Matrix6& information) {
 }
 
 std::uint32_t open_axes(const Matrix6& information, const Matrix6& noise, const Matrix6& predicted) {
-  const Matrix6 half = predicted.llt().matrixL();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(
-      Matrix6(half.transpose() * (information - kMostNoise * noise) * half));
-  const Vector6 gained = solver.eigenvalues().cwiseMax(0.0);  // of what the prediction knows
-  const Matrix6 motions = half * solver.eigenvectors();
+  const Matrix6 half = cholesky(predicted);
+  const SymmetricEigen<6> eigen =
+      symmetric_eigen(Matrix6(half.transpose() * (information - kMostNoise * noise) * half));
+  const Vector6 gained = eigen.values.cwiseMax(0.0);  // of what the prediction knows
+  const Matrix6 motions = half * eigen.vectors;
   std::uint32_t axes = 0;
   for (int axis = 0; axis < 6; ++axis) {
     const double left = motions.row(axis).cwiseAbs2() * (1.0 + gained.array()).inverse().matrix();

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "mapping/loop_closure.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cstdio>
 #include <limits>
 #include <utility>
@@ -94,10 +93,9 @@ bool agree(const PoseGraph& graph, const Constraint& a, const Constraint& b) {
 }  // namespace
 
 bool is_worthwhile(const Matrix6& covariance, const Matrix6& usual_information) {
-  const Matrix6 half = covariance.llt().matrixL();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(Matrix6(half.transpose() * usual_information * half),
-                                                      Eigen::EigenvaluesOnly);
-  return solver.eigenvalues().maxCoeff() >= kWorthwhile;
+  const Matrix6 half = cholesky(covariance);
+  const Matrix6 scaled = half.transpose() * usual_information * half;
+  return symmetric_eigen(scaled).values.maxCoeff() >= kWorthwhile;
 }
 
 ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& config) {

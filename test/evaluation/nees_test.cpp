@@ -4,12 +4,12 @@
 
 #include <doctest/doctest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "../io/temporary_directory.hpp"
+#include "geometry/linear.hpp"
 #include "io/lcm_log.hpp"
 #include "messages/encode.hpp"
 
@@ -64,7 +64,7 @@ Drive drive_of(int poses, const Error& error) {
 
 /// An error whose square, by some_covariance(), is that.
 Vector6 error_of(double square, int axis = 3) {
-  const Matrix6 root = some_covariance().llt().matrixL();
+  const Matrix6 root = cholesky(some_covariance());
   return root * std::sqrt(square) * Vector6::Unit(axis);
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("NEES of a planar sensor is that of x, y and yaw") {
 TEST_CASE("NEES of errors drawn from the covariance is 6, and one percent is beyond the bound") {
   std::mt19937_64 rng(7);
   std::normal_distribution<double> normal;
-  const Matrix6 root = some_covariance().llt().matrixL();
+  const Matrix6 root = cholesky(some_covariance());
   double mean = 0, beyond = 0;
   constexpr int kDrives = 100;
   for (int i = 0; i < kDrives; ++i) {

@@ -5,11 +5,11 @@
 // says.
 #include <doctest/doctest.h>
 
-#include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
 
 #include "cloud_samples.hpp"
+#include "geometry/linear.hpp"
 #include "icp/cloud_problem.hpp"
 
 using namespace scanlock;
@@ -133,7 +133,7 @@ TEST_CASE("the plane step solves the normal equations of numeric derivatives") {
     hessian += pair.weight * j * j.transpose();
     gradient += pair.weight * residual(Vector6::Zero()) * j;
   }
-  const Vector6 expected = -hessian.ldlt().solve(gradient);
+  const Vector6 expected = -solve(hessian, gradient);
   const Vector6 step = problem.image() - x;
   CHECK((step - expected).norm() < 1e-4 * expected.norm());
 }

@@ -4,7 +4,6 @@
 
 #include <doctest/doctest.h>
 
-#include <Eigen/LU>
 #include <array>
 #include <cmath>
 #include <map>
@@ -139,7 +138,7 @@ TEST_CASE(
     sum += se3_log(found.moving.pose).cwiseAbs2() / trials;
     CHECK(found.curvature < 1.0);
     CHECK(found.curvature > 0.7);
-    const Matrix6 bread = (found.curvature * found.information.topLeftCorner<6, 6>()).inverse();
+    const Matrix6 bread = inverse(Matrix6(found.curvature * found.information.topLeftCorner<6, 6>()));
     predicted += (bread * found.scatter.topLeftCorner<6, 6>() * bread).diagonal() / trials;
     independent += squares / found.matched * bread.diagonal() / trials;
   }

@@ -4,7 +4,6 @@
 
 #include <doctest/doctest.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <random>
 #include <vector>
@@ -115,8 +114,7 @@ TEST_CASE("a constraint reversed twice is itself, and chained ones have the cova
   Constraint bc;
   bc.from_to = random.pose(3, 1);
   bc.information = 1e6 * random.information();
-  const Matrix6 root_ab = inverse(ab.information).llt().matrixL(),
-                root_bc = inverse(bc.information).llt().matrixL();
+  const Matrix6 root_ab = cholesky(inverse(ab.information)), root_bc = cholesky(inverse(bc.information));
   const Constraint ac = chained(ab, bc), ba = reversed(ab);
   constexpr int kDraws = 20000;
   Matrix6 sum = Matrix6::Zero(), back = Matrix6::Zero();
@@ -128,7 +126,7 @@ TEST_CASE("a constraint reversed twice is itself, and chained ones have the cova
     sum += e * e.transpose() / kDraws;
     back += r * r.transpose() / kDraws;
   }
-  const Matrix6 to_unit = ac.information.llt().matrixL(), back_to_unit = ba.information.llt().matrixL();
+  const Matrix6 to_unit = cholesky(ac.information), back_to_unit = cholesky(ba.information);
   CHECK((to_unit.transpose() * sum * to_unit - Matrix6::Identity()).norm() < 0.15);
   CHECK((back_to_unit.transpose() * back * back_to_unit - Matrix6::Identity()).norm() < 0.15);
 }

@@ -5,7 +5,6 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <random>
 
 #include "odometry/motion_filter.hpp"
@@ -101,7 +100,7 @@ double normalised_error(double assumed, double share) {
       if (k < 40) continue;
       const Vector6 e = drive.error().head<6>();
       const Matrix6 covariance = drive.errors.covariance().topLeftCorner<6, 6>();
-      sum += e.dot(covariance.inverse() * e) / 6;
+      sum += e.dot(inverse(covariance) * e) / 6;
       ++count;
     }
   }

@@ -4,8 +4,6 @@
 
 #include <doctest/doctest.h>
 
-#include <Eigen/LU>
-
 namespace scanlock {
 namespace {
 
@@ -25,7 +23,7 @@ MotionFilter filter_at(const MovingPose& state, const Matrix12& covariance) {
   filter.start(state);
   MotionPrior prior;
   prior.mean = state;
-  prior.information = covariance.inverse();
+  prior.information = inverse(covariance);
   filter.coast(prior);
   return filter;
 }
@@ -48,14 +46,14 @@ TEST_CASE("the covariance is carried by the derivative of the prediction") {
     MotionFilter other = filter;
     MotionPrior moved;
     moved.mean = disturbed(state, by);
-    moved.information = covariance.inverse();
+    moved.information = inverse(covariance);
     other.coast(moved);
     const MovingPose there = other.predict(dt).mean;
     derivative.col(k).head<6>() = se3_log(predicted.mean.pose.inverse() * there.pose) / step;
     derivative.col(k).tail<6>() = (there.twist - predicted.mean.twist) / step;
   }
   const Matrix12 noise_less = derivative * covariance * derivative.transpose();
-  const Matrix12 noise = predicted.information.inverse() - noise_less;
+  const Matrix12 noise = inverse(predicted.information) - noise_less;
   // What is left is white noise on the acceleration: dt^3 / 3, dt^2 / 2 and dt of its density, and a floor.
   for (int k = 0; k < 6; ++k) {
     const double density = (k < 3 ? 25.0 : 100.0) * 0.3, floor = 1e-6;

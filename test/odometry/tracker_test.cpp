@@ -132,7 +132,7 @@ TEST_CASE("a pose gets no worse in a known hall, and worse on the way to where n
     tracked = hall.track(circles.scan(i));
     if (i == 79) once = sigma(tracked);
     const Vector6 error = circles.error(i, tracked);
-    if (i > 5) squared_error += error.dot(tracked.covariance.inverse() * error) / 154;
+    if (i > 5) squared_error += error.dot(inverse(tracked.covariance) * error) / 154;
   }
   CHECK(sigma(tracked) < 1.2 * once);
   CHECK(squared_error < 12);  // of six degrees of freedom
