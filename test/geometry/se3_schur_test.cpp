@@ -15,18 +15,17 @@
 namespace {
 
 using namespace scanlock;
-using Eigen::MatrixXd;
 
 /// Appendix A. Equation 32 is printed with B_i; it holds for the generator B_i / theta_i.
-MatrixXd schur_log(const MatrixXd& t) {
+SmallMatrix schur_log(const SmallMatrix& t) {
   const Eigen::Index n = t.rows() - 1;
-  const Eigen::RealSchur<MatrixXd> schur(t.topLeftCorner(n, n));
-  const MatrixXd q = schur.matrixU(), d = schur.matrixT();
-  MatrixXd b = MatrixXd::Zero(n, n), v = MatrixXd::Identity(n, n);
+  const Eigen::RealSchur<SmallMatrix> schur(t.topLeftCorner(n, n));
+  const SmallMatrix q = schur.matrixU(), d = schur.matrixT();
+  SmallMatrix b = SmallMatrix::Zero(n, n), v = SmallMatrix::Identity(n, n);
   for (Eigen::Index i = 0; i + 1 < n; ++i) {
     if (d(i + 1, i) == 0) continue;
     const double theta = std::atan2(d(i + 1, i), d(i, i));
-    MatrixXd generator = MatrixXd::Zero(n, n);
+    SmallMatrix generator = SmallMatrix::Zero(n, n);
     generator(i, i + 1) = -1;
     generator(i + 1, i) = 1;
     b += theta * generator;
@@ -34,7 +33,7 @@ MatrixXd schur_log(const MatrixXd& t) {
          (1.0 - 0.5 * theta * std::sin(theta) / (1.0 - std::cos(theta))) * generator * generator;
     ++i;
   }
-  MatrixXd result = MatrixXd::Zero(n + 1, n + 1);
+  SmallMatrix result = SmallMatrix::Zero(n + 1, n + 1);
   result.topLeftCorner(n, n) = q * b * q.transpose();
   result.topRightCorner(n, 1) = q * v * q.transpose() * t.topRightCorner(n, 1);
   return result;
@@ -47,12 +46,12 @@ TEST_CASE("the logarithm by the Schur form inverts the exponential in two to six
   std::normal_distribution<double> normal;
   for (int n = 2; n <= 6; ++n) {
     for (int trial = 0; trial < 20; ++trial) {
-      MatrixXd s = MatrixXd::NullaryExpr(n, n, [&] { return normal(random); });
+      SmallMatrix s = SmallMatrix::NullaryExpr(n, n, [&] { return normal(random); });
       s = (s - s.transpose()).eval();
       s *= 2.5 / s.norm();
-      MatrixXd xi = MatrixXd::Zero(n + 1, n + 1);
+      SmallMatrix xi = SmallMatrix::Zero(n + 1, n + 1);
       xi.topLeftCorner(n, n) = s;
-      xi.topRightCorner(n, 1) = MatrixXd::NullaryExpr(n, 1, [&] { return normal(random); });
+      xi.topRightCorner(n, 1) = SmallMatrix::NullaryExpr(n, 1, [&] { return normal(random); });
       CHECK((schur_log(matrix_exponential(xi)) - xi).norm() < 1e-10);
     }
   }

@@ -5,12 +5,12 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "bit_hash.hpp"
+#include "random_reflections.hpp"
 
 namespace scanlock {
 namespace {
@@ -36,10 +36,7 @@ void check(const Square<kAxes>& a) {
 
 template <int kAxes>
 Square<kAxes> with_eigenvalues(const Values<kAxes>& values, std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  Square<kAxes> any;
-  for (double& x : any.reshaped()) x = normal(random);
-  const Square<kAxes> q = Eigen::HouseholderQR<Square<kAxes>>(any).householderQ();
+  const Square<kAxes> q = random_reflections<Square<kAxes>>(random);
   const Square<kAxes> a = q * values.asDiagonal() * q.transpose();
   return 0.5 * (a + a.transpose());
 }

@@ -4,10 +4,10 @@
 
 #include <doctest/doctest.h>
 
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <cmath>
 #include <random>
+
+#include "../geometry/random_reflections.hpp"
 
 using namespace scanlock;
 
@@ -18,19 +18,17 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// G(x) = A x + b with a slow contraction A.
 struct LinearIteration {
   Matrix6d a;
-  Eigen::Matrix<double, 6, 1> b;
+  Eigen::Matrix<double, 6, 1> b, fixed;
   LinearIteration() {
     std::mt19937 random(5);
-    std::normal_distribution<double> normal;
-    const Matrix6d noise = Matrix6d::NullaryExpr([&] { return normal(random); });
-    const Matrix6d q = noise.householderQr().householderQ();
+    const Matrix6d q = random_reflections<Matrix6d>(random);
     Eigen::Matrix<double, 6, 1> values;
     values << 0.98, 0.95, 0.9, 0.8, 0.6, 0.3;
     a = q * values.asDiagonal() * q.transpose();
     b.setLinSpaced(6, -1, 2);
+    fixed = q * (1.0 - values.array()).inverse().matrix().asDiagonal() * q.transpose() * b;
   }
   StateVector operator()(const StateVector& x) const { return a * x + b; }
-  StateVector fixed_point() const { return (Matrix6d::Identity() - a).lu().solve(b); }
 };
 
 int steps_to(double tolerance, int window) {
@@ -38,7 +36,7 @@ int steps_to(double tolerance, int window) {
   AndersonAcceleration anderson(window);
   StateVector x = StateVector::Zero(6);
   int steps = 0;
-  for (; (x - g.fixed_point()).norm() > tolerance && steps < 5000; ++steps) x = anderson.next(x, g(x));
+  for (; (x - g.fixed).norm() > tolerance && steps < 5000; ++steps) x = anderson.next(x, g(x));
   return steps;
 }
 
