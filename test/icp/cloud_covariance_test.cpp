@@ -14,7 +14,8 @@
 using namespace scanlock;
 using namespace scanlock::test;
 
-TEST_CASE("the normalised error squared is that of six degrees of freedom over many noisy trials") {
+TEST_CASE("the normalised error squared is that of six degrees of freedom over many noisy trials" *
+          doctest::test_suite("many trials")) {
   const Pose truth = motion({0.03, -0.02, 0.01}, {0.004, -0.003, 0.01});
   struct Setting {
     std::size_t points;
@@ -47,7 +48,7 @@ TEST_CASE("the normalised error squared is that of six degrees of freedom over m
   }
 }
 
-TEST_CASE("errors that neighbours share are no independent errors") {
+TEST_CASE("errors that neighbours share are no independent errors" * doctest::test_suite("many trials")) {
   // Each cell of half a metre of each cloud is off along its normals as a whole.
   const Pose truth = motion({0.03, -0.02, 0.01}, {0.004, -0.003, 0.01});
   const auto warped = [](unsigned seed) {

@@ -109,7 +109,8 @@ double normalised_error(double assumed, double share) {
 
 }  // namespace
 
-TEST_CASE("the covariance is that of the errors, whatever the filter takes for granted") {
+TEST_CASE("the covariance is that of the errors, whatever the filter takes for granted" *
+          doctest::test_suite("many trials")) {
   for (const double assumed : {1e-3, 3e-2}) {
     for (const double share : {0.01, 0.3}) {
       CAPTURE(assumed);
