@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "mapping/mapper.hpp"
@@ -93,7 +94,13 @@ TEST_SUITE("long drives") {
 
   TEST_CASE("a robot that stops in a wood is not taken for one that turns") {
     const std::vector<Step> steps = drive(72, 7001, {}, 0, WorldKind::kForest);  // it stands from 64 s on
-    for (std::size_t i = 1; i < steps.size(); ++i) CHECK(steps[i].tracked.state == TrackingState::kTracking);
+    int tracking = 0;  // the others are DEGRADED: few trees hold it as nearly as that is promised
+    for (std::size_t i = 1; i < steps.size(); ++i) {
+      CHECK(steps[i].tracked.method == PoseMethod::kIcp);
+      CHECK(std::abs(steps[i].tracked.twist[5]) < 1.5);
+      tracking += steps[i].tracked.state == TrackingState::kTracking;
+    }
+    CHECK(tracking > static_cast<int>(0.7 * static_cast<double>(steps.size())));
     CHECK(steps.back().metres_off() < 0.4);
   }
 
