@@ -4,7 +4,6 @@
 
 #include <doctest/doctest.h>
 
-#include <Eigen/Cholesky>
 #include <limits>
 #include <random>
 
