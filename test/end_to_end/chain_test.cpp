@@ -53,20 +53,22 @@ Recorded play_through(const Network& network, const TemporaryFolder& folder, con
   Process player(folder, {"lcm-logplayer", "-l", network.url(), "-s", kSpeed, log});
   CHECK(listener.until([&] { return static_cast<int>(listener.poses.size()) >= scans; }, seconds(20)));
   CHECK(player.wait(seconds(5)) == 0);
+  // The logger writes what it has when the next message comes: the daemon tells its status until all is
+  // there.
   const int statuses = listener.statuses;
-  CHECK(listener.until([&] { return listener.statuses > statuses; }));
-  daemon.send(SIGTERM);
-  CHECK(daemon.wait(seconds(2)) == 0);
-  Recorded recorded{listener.status, {}};
-  MESSAGE("from arrival to publishing: " << recorded.status.latency_p50_ms << " ms (p50), "
-                                         << recorded.status.latency_p99_ms
-                                         << " ms (p99); resident: " << recorded.status.rss_mb << " MB");
+  Recorded recorded;
   CHECK(listener.until(
       [&] {
         recorded.poses = poses_in(read_log(out), "POSE_BODY_CORRECTED");
-        return static_cast<int>(recorded.poses.size()) >= scans;
+        return static_cast<int>(recorded.poses.size()) >= scans && listener.statuses > statuses;
       },
-      seconds(3)));
+      seconds(20)));
+  recorded.status = listener.status;
+  MESSAGE("from arrival to publishing: " << recorded.status.latency_p50_ms << " ms (p50), "
+                                         << recorded.status.latency_p99_ms
+                                         << " ms (p99); resident: " << recorded.status.rss_mb << " MB");
+  daemon.send(SIGTERM);
+  CHECK(daemon.wait(seconds(2)) == 0);
   logger.send(SIGTERM);
   logger.wait(seconds(2));
   return recorded;
