@@ -229,6 +229,12 @@ Pose body_from_sensor(const MountConfig& mount) {
   return pose;
 }
 
+std::string scan_channel_names(const DaemonConfig& config) {
+  std::string names;
+  for (const std::string& channel : config.scan_channels) names += (names.empty() ? "" : ", ") + channel;
+  return names;
+}
+
 Config parse_config(const std::string& text, const std::string& name) {
   try {
     return read_document(toml::parse(text, name), name);

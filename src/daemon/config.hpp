@@ -60,6 +60,8 @@ struct DaemonConfig {
   MountConfig mount;
   MapConfig map;
 };
+/// `scan_channels` with commas between them.
+std::string scan_channel_names(const DaemonConfig& config);
 
 struct Config {
   DaemonConfig daemon;

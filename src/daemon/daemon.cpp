@@ -14,12 +14,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string out;
-  for (const auto& name : names) out += (out.empty() ? "" : ", ") + name;
-  return out;
-}
-
 constexpr std::size_t kMostCommands = 64;  // that wait; people and scripts send one
 
 /// How often the publishing thread looks at the stop signal while no scan comes.
@@ -99,7 +93,7 @@ void Daemon::publish_until_the_end(const StopSignal& stop) {
   Outputs outputs(config_.daemon, version_, statistics_, *sink_, Pipeline::Mode::kLive);
   const auto period = std::chrono::duration_cast<Clock::duration>(
       std::chrono::duration<double>(config_.daemon.status_period_s));
-  SilenceWatch silence(joined(config_.daemon.scan_channels), config_.daemon.silence_warning_s, Clock::now());
+  SilenceWatch silence(scan_channel_names(config_.daemon), config_.daemon.silence_warning_s, Clock::now());
   auto next_status = Clock::now();
   while (!finished_.ended()) {
     if (stop.requested()) inbox_.close();  // the worker finishes the scan at hand, and no other

@@ -16,12 +16,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string out;
-  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
-  return out;
-}
-
 double number_in(const std::string& url, const std::string& key, double standard) {
   const std::optional<std::string> text = url_option(url, key);
   if (!text) return standard;
@@ -123,14 +117,14 @@ std::string Replay::why_no_scan() const {
   const std::string log =
       (damage().empty() ? options_.log_path + ": " : damage() + "; ") + "no scan could be used: ";
   if (counters.received > 0)
-    return log + std::to_string(counters.received) + " came on " + joined(config_.daemon.scan_channels) +
+    return log + std::to_string(counters.received) + " came on " + scan_channel_names(config_.daemon) +
            ", the last one was rejected: " + counters.last_error;
   if (other_scans_.empty())
     return log + "none of its channels carries scans; `scanlock-convert LOG --info` lists what they carry";
   std::string carry;
   for (const auto& [channel, type] : other_scans_)
     carry += (carry.empty() ? "" : ", ") + channel + " (" + type + ")";
-  return log + "nothing came on " + joined(config_.daemon.scan_channels) + "; scans are on " + carry +
+  return log + "nothing came on " + scan_channel_names(config_.daemon) + "; scans are on " + carry +
          ": choose with --scan-channel";
 }
 

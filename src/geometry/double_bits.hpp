@@ -12,6 +12,8 @@ namespace scanlock {
 static_assert(FLT_EVAL_METHOD == 0, "doubles must be rounded to double after every operation");
 static_assert(std::numeric_limits<double>::is_iec559, "doubles must be those of IEEE 754");
 
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
 inline std::uint64_t bits_of(double x) {
   std::uint64_t bits;
   std::memcpy(&bits, &x, sizeof bits);

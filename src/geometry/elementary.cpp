@@ -11,8 +11,7 @@ namespace scanlock {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kTiny = 0x1p-54;  // below it 1 + x is 1
+constexpr double kAddsNothing = 0x1p-54;  // below it 1 + x is 1
 
 // Every polynomial here is minimax on its interval (Remez's exchange in 60 digits, then rounded to double),
 // evaluated in an order that leaves the processor several sums at a time.
@@ -111,7 +110,7 @@ double exp(double x) {
 }
 
 double expm1(double x) {
-  if (std::abs(x) < kTiny) return x;  // and -0
+  if (std::abs(x) < kAddsNothing) return x;  // and -0
   if (x < -40.0) return -1.0;
   const double bounded = x > 710.0 ? 710.0 : x;
   const double k = nearest_integer(bounded * kPerLn2);
@@ -143,7 +142,7 @@ double log(double x) {
 }
 
 double log1p(double x) {
-  if (std::abs(x) < kTiny) return x;
+  if (std::abs(x) < kAddsNothing) return x;
   const double u = 1.0 + x;
   if (!has_logarithm(u)) return logarithm_outside(u);
   const auto [k, f] = split(u);

@@ -10,8 +10,7 @@
 namespace scanlock {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kTiny = 0x1p-27;  // of its square, half is lost beside 1
+constexpr double kSquareAddsNothing = 0x1p-27;  // of its square, half is lost beside 1
 constexpr double kHalfPi = 0x1.921fb54442d18p+0, kHalfPiRest = 0x1.1a62633145c07p-54;
 
 // ---- sine and cosine: x = quadrant pi/2 + r + rest with |r| <= pi/4 ---------------------------------------
@@ -126,7 +125,7 @@ struct Arctangent {
 /// 0 <= a <= b, b > 0, finite.
 Arctangent arctangent(double a, double b) {
   const double ratio = a / b;
-  if (ratio < kTiny) return {0, ratio, 0.0};
+  if (ratio < kSquareAddsNothing) return {0, ratio, 0.0};
   const double scale = b > 0x1p900 ? 0x1p-200 : b < 0x1p-800 ? 0x1p300 : 1.0;
   a *= scale;
   b *= scale;
@@ -145,7 +144,7 @@ Arctangent arctangent(double a, double b) {
 }  // namespace
 
 double sin(double x) {
-  if (std::abs(x) < kTiny) return x;  // and -0
+  if (std::abs(x) < kSquareAddsNothing) return x;  // and -0
   const Turn t = turn_of(x);
   const double s = t.quadrant & 1 ? cosine(t.r, t.rest) : sine(t.r, t.rest);
   return t.quadrant & 2 ? -s : s;
@@ -158,7 +157,7 @@ double cos(double x) {
 }
 
 SineCosine sincos(double x) {
-  if (std::abs(x) < kTiny) return {x, 1.0};
+  if (std::abs(x) < kSquareAddsNothing) return {x, 1.0};
   const Turn t = turn_of(x);
   const double s = sine(t.r, t.rest), c = cosine(t.r, t.rest);
   const double first = t.quadrant & 1 ? c : s, second = t.quadrant & 1 ? s : c;

@@ -7,14 +7,14 @@
 
 #include "geometry/symmetric_eigen.hpp"
 #include "global/cloud_normals.hpp"
+#include "global/surface_fit.hpp"
 
 namespace scanlock {
 namespace {
 
 constexpr std::size_t kSamples = 2500, kFewSteep = 100;
-constexpr float kNear = 1.5f;     // voxels: a surface sampled a point a voxel has one so near
-constexpr float kOn = 0.5f;       // voxels from its plane
-constexpr float kSameWay = 0.7f;  // cosine
+constexpr float kNear = 1.5f;  // voxels: a surface sampled a point a voxel has one so near
+constexpr float kOn = 0.5f;    // voxels from its plane
 
 std::vector<std::uint32_t> every_nth(const std::vector<std::uint32_t>& from, std::size_t count) {
   const std::size_t stride = std::max<std::size_t>(1, from.size() / count);

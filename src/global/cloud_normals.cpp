@@ -10,10 +10,10 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kFewest = 5;
+constexpr std::size_t kFewestOfPlane = 5;
 
 Eigen::Vector3f normal_at(const PointCloud& cloud, const NeighbourFinder::Neighbours& near, std::size_t i) {
-  if (near.count() < kFewest) return Eigen::Vector3f::Zero();
+  if (near.count() < kFewestOfPlane) return Eigen::Vector3f::Zero();
   const Eigen::Vector3f centre = cloud.point(i);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();

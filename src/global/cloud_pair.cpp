@@ -17,9 +17,9 @@ namespace scanlock {
 namespace {
 
 constexpr int kGuidedLambda = 10;
-constexpr double kHopeless = 0.5;            // contradiction, before the refinement
-constexpr double kCrowd = 0.35, kReach = 2;  // of epsilon; of the scale then
-constexpr int kRounds = 8;
+constexpr double kHopeless = 0.5;                 // contradiction, before the refinement
+constexpr double kCrowd = 0.35, kCrowdReach = 2;  // of epsilon; of the scale then
+constexpr int kCrowdRounds = 8;
 constexpr double kStillFits = 0.95;  // of the overlap
 // Of the source, where others judge what comes of it: a pose good to some centimetres shows whether it fits.
 constexpr std::size_t kRefinedPoints = 2000;
@@ -48,13 +48,13 @@ const std::vector<SurfaceMatch>& CloudPair::all_matches() {
 /// weights), for what is within epsilon by chance is anywhere there.
 Pose CloudPair::middle_pose(Pose pose) {
   const Eigen::Matrix3d level = level_rotation(pose.linear().col(2));
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kCrowdRounds; ++round) {
     const double scale = std::max(kCrowd, 1.0 - kCrowd * round) * epsilon_;
     PairSums sums;
     int near = 0;
     for (const SurfaceMatch& m : all_matches()) {
       const double squared = (pose * m.p - m.q).squaredNorm();
-      if (squared > kReach * kReach * scale * scale) continue;
+      if (squared > kCrowdReach * kCrowdReach * scale * scale) continue;
       sums.add(exp(-squared / (2 * scale * scale)), m.p, level * m.q);
       ++near;
     }

@@ -14,9 +14,9 @@ namespace {
 class Polisher {
  public:
   Polisher(const LevelMatches& matches, const LevelPose& start) : m_(matches), pose_(start) {
-    constexpr double kNear = 2;  // thresholds
+    constexpr double kWithin = 2;  // thresholds
     const auto [s, c] = sincos(start.theta);
-    const double reach = kNear * m_.largest_threshold;
+    const double reach = kWithin * m_.largest_threshold;
     const auto [first, last] = height_range(m_, start.z - reach, start.z + reach);
     for (std::size_t i = first; i < last; ++i) {
       const double x = m_.qx[i] - (c * m_.px[i] - s * m_.py[i]) - start.x;
@@ -26,8 +26,8 @@ class Polisher {
   }
 
   LevelPose run() {
-    constexpr int kRounds = 6;
-    for (int round = 0, best = 0; round < kRounds; ++round) {
+    constexpr int kPolishRounds = 6;
+    for (int round = 0, best = 0; round < kPolishRounds; ++round) {
       int count = 0;
       turn();
       for (int axis = 0; axis < 3; ++axis) count = shift(axis);

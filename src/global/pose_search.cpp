@@ -186,14 +186,14 @@ bool Search::matters(const PoseBox& box, double lever) const {
 /// ends boxes whose matches have a single common pose. Tried again, harder, when fewer matches can be spared
 /// or the box has shrunk.
 void Search::look_for_conflicts(Node& node) {
-  constexpr int kMostDrops = 2, kIterations = 16, kMostIterations = 2048;
+  constexpr int kFewDrops = 2, kIterations = 16, kMostIterations = 2048;
   constexpr double kShrunk = 0.125;
   constexpr std::size_t kFew = 12;                                     // matches that cost next to nothing
   const double first_size = node.matches.size() <= kFew ? 0.5 : 0.01;  // in thresholds
   const int drops = static_cast<int>(node.matches.size()) - wanted();
   const double size = longest_side(node.box, node.lever) / m_.largest_threshold;
   const bool shrunk = size <= kShrunk * node.tried_size;
-  if (size > first_size || drops > kMostDrops || (drops >= node.tried_drops && !shrunk)) return;
+  if (size > first_size || drops > kFewDrops || (drops >= node.tried_drops && !shrunk)) return;
   node.iterations =
       std::min(kMostIterations, shrunk && node.tried_size < first_size ? 4 * node.iterations : kIterations);
   node.tried_drops = drops;

@@ -12,13 +12,12 @@
 namespace scanlock {
 namespace {
 
-constexpr int kRounds = 12, kFewest = 8;
+constexpr int kFitRounds = 12, kFewestToFit = 8;
 constexpr double kNarrower = 0.1, kNarrowest = 0.35;  // of epsilon: the scale, round by round
-constexpr double kReach = 2;                          // scales, along the normal
+constexpr double kReachAlong = 2;                     // scales, along the normal
 constexpr double kReachWithin = 4;                    // epsilons
 constexpr double kFirstWithin = 0.02, kLeastWithin = 0.01;
-constexpr double kSameWay = 0.7;  // cosine between normals
-constexpr double kStill = 1e-5;   // metres, radians
+constexpr double kStill = 1e-5;  // metres, radians
 
 /// How far matches are off along the normals, and within the surfaces.
 struct Spread {
@@ -56,7 +55,7 @@ Pose fit_surfaces(const std::vector<SurfaceMatch>& matches, Pose pose, const Eig
   const Eigen::Vector3d axis = pose.linear().col(2);
   const double two_variances = 2 * epsilon * epsilon;
   double weight_within = kFirstWithin;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kFitRounds; ++round) {
     const double scale = std::max(kNarrowest, 1 - kNarrower * round) * epsilon;
     const Eigen::Vector3d middle = pose * centre;
     Equations equations;
@@ -65,7 +64,7 @@ Pose fit_surfaces(const std::vector<SurfaceMatch>& matches, Pose pose, const Eig
       const Eigen::Vector3d at = pose * m.p, offset = at - m.q;
       const double along = m.normal_q.dot(offset);
       const double squared_within = offset.squaredNorm() - along * along;
-      if (std::abs(along) > kReach * scale ||
+      if (std::abs(along) > kReachAlong * scale ||
           squared_within > kReachWithin * kReachWithin * epsilon * epsilon ||
           std::abs(m.normal_q.dot(pose.linear() * m.normal_p)) < kSameWay)
         continue;
@@ -77,7 +76,7 @@ Pose fit_surfaces(const std::vector<SurfaceMatch>& matches, Pose pose, const Eig
                                                within * Eigen::Matrix3d::Identity());
       equations.add(metric, axis.cross(at - middle), offset);
     }
-    if (equations.count < kFewest) break;
+    if (equations.count < kFewestToFit) break;
     const Eigen::Vector4d step = -equations.h.ldlt().solve(equations.g);
     if (!step.allFinite()) break;
     const Eigen::Matrix3d turn = so3_exp(axis * step[3]);

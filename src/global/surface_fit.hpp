@@ -9,6 +9,9 @@
 
 namespace scanlock {
 
+/// Cosine between the unit normals of two points from which on they may be of one surface.
+inline constexpr double kSameWay = 0.7;
+
 /// A candidate correspondence between surfaces: source point p and target point q, metres, and the unit
 /// normals there, either way round.
 struct SurfaceMatch {

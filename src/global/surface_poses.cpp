@@ -13,7 +13,7 @@
 namespace scanlock {
 namespace {
 
-constexpr double kSteep = 0.7;         // horizontal part of a normal
+constexpr double kSteepMatch = 0.7;    // horizontal part of a normal
 constexpr std::size_t kGlance = 100;   // points, of every pose,
 constexpr std::size_t kLook = 600;     // and of the best of them
 constexpr std::size_t kLooked = 1000;  // poses
@@ -43,7 +43,7 @@ std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const 
     for (std::size_t i = 0; i < matches.size(); i += stride) {
       const SurfaceMatch& m = matches[i];
       const Eigen::Vector2d s = m.normal_p.head<2>(), t = (level * m.normal_q).head<2>();
-      if (s.norm() < kSteep || t.norm() < kSteep) continue;
+      if (s.norm() < kSteepMatch || t.norm() < kSteepMatch) continue;
       const double yaw = atan2(t.y(), t.x()) - atan2(s.y(), s.x());
       Pose pose = Pose::Identity();
       pose.linear() = level.transpose() * rotation_about_z(yaw);

@@ -16,7 +16,6 @@ namespace {
 
 // Directions without information take no step, and do not spoil the others.
 constexpr double kDamping = 1e-9;
-constexpr std::size_t kChunk = 256;
 
 template <typename Value>
 double median_of(std::size_t n, std::size_t count, const Value& value) {

@@ -18,7 +18,6 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kChunk = 256;
 // Scales are medians; so many points spread over the cloud give them to a few percent.
 constexpr std::size_t kScaleSamples = 1024;
 // A nu below these shares of the scene or of its sampling only follows float rounding.

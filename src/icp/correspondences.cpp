@@ -12,7 +12,6 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kChunk = 256;
 // Searching somewhat beyond the gate buys room for points without a neighbour to move before they are
 // searched again.
 constexpr float kSearchBeyondGate = 1.5f;

@@ -16,8 +16,6 @@
 namespace scanlock {
 namespace {
 
-constexpr double kQuaternionTolerance = 1e-2;
-
 /// What all pose types come down to.
 struct RawPose {
   double time_s = 0;

@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kTumColumns = 8;
 constexpr std::size_t kKittiColumns = 12;
-constexpr double kQuaternionTolerance = 1e-2;  // files with three decimals exist
 constexpr double kRotationTolerance = 1e-3;
 constexpr double kPrintedTolerance = 1e-6;  // a rotation within this is kept digit for digit
 

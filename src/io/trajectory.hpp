@@ -15,6 +15,9 @@ struct StampedPose {
 };
 using Trajectory = std::vector<StampedPose>;
 
+/// By how much the length of a quaternion may be off 1: files with three decimals exist.
+inline constexpr double kQuaternionTolerance = 1e-2;
+
 /// TUM: `time tx ty tz qx qy qz qw` a line; `#` starts a comment. Times keep microseconds.
 /// KITTI: twelve numbers a line, the upper three rows of the matrix, row-major; no times.
 /// Readers throw std::runtime_error "FILE:LINE: what is wrong"; a non-finite number, a quaternion whose

@@ -13,6 +13,7 @@
 
 #include "geometry/elementary.hpp"
 #include "messages/generated_bytes.hpp"
+#include "messages/packed_cloud.hpp"
 
 namespace scanlock {
 namespace {
@@ -44,8 +45,6 @@ std::vector<std::uint8_t> packed(const std::vector<Column>& columns, std::size_t
       store_little_endian((*columns[c].values)[i], &data[i * step + 4 * c]);
   return data;
 }
-
-constexpr std::int8_t kFloat32 = 7;
 
 }  // namespace
 

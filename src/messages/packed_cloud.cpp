@@ -12,8 +12,6 @@
 namespace scanlock {
 namespace {
 
-constexpr int kFloat32 = 7, kFloat64 = 8;
-
 constexpr bool host_is_big_endian() {
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
   return true;

@@ -21,7 +21,7 @@ constexpr int kMissesAllowed = 1;
 // What the excursion has drifted since the search may be farther off than an alignment reaches that looks
 // near. So many places are looked for farther off on one scan, for it takes time; all are in kWins scans.
 constexpr int kFarLooks = 2;
-constexpr int kPatience = 8;                           // scans in which it has to be decided
+constexpr int kMostScans = 8;                          // scans in which it has to be decided
 constexpr double kClearly = 1.3;                       // times the cost of the leader, and
 constexpr double kAtLeast = 0.03;                      // that much more: clearly worse
 constexpr double kHopeless = 2.0;                      // times the cost: out
@@ -136,7 +136,7 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
       !led || same_place(led_by, leader.map_from_predicted, excursion.state().pose, 1.0, 6.0 * kDegree);
   wins_ = !clear || !leader.could_win ? 0 : same ? wins_ + 1 : 1;
   if (wins_ >= kWins) return Outcome::kWon;
-  return ++scans_ >= kPatience ? Outcome::kUndecided : Outcome::kOpen;
+  return ++scans_ >= kMostScans ? Outcome::kUndecided : Outcome::kOpen;
 }
 
 const char* Contest::why_undecided() const {

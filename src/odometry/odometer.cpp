@@ -36,7 +36,7 @@ constexpr double kLeastShare = 0.3;
 constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history says
 constexpr double kMostAtFirst = 0.7;  // a map of few scans is thin
-constexpr double kUsualShare = 0.8;
+constexpr double kLeastOfUsualShare = 0.8;
 
 /// By how much the points of a scan may be off where they are predicted: a standard deviation at this range,
 /// in metres.
@@ -298,7 +298,7 @@ bool explains(const Attempt& attempt, double most_score) {
 }
 
 bool usual_share(const Health& health) {
-  return health.share >= kUsualShare * health.usual_share;
+  return health.share >= kLeastOfUsualShare * health.usual_share;
 }
 
 PreparedScan part_of(const PreparedScan& scan, std::size_t points) {

@@ -12,10 +12,10 @@
 namespace scanlock {
 namespace {
 
-constexpr double kNearest = 1.0;   // metres, of the rings, whose widths grow with the range
-constexpr float kAbove = 0.5F;     // metres: higher than the sensor
-constexpr float kSteepest = 0.3F;  // of the range: no sensor sees much higher
-constexpr double kBeside = 0.6;    // of a cell's value its neighbours have at least
+constexpr double kNearest = 1.0;  // metres, of the rings, whose widths grow with the range
+constexpr float kAbove = 0.5F;    // metres: higher than the sensor
+constexpr float kHighest = 0.3F;  // of the range: no sensor sees much higher
+constexpr double kBeside = 0.6;   // of a cell's value its neighbours have at least
 
 }  // namespace
 
@@ -49,7 +49,7 @@ bool PlaceSignature::count(const PointCloud& points, const Eigen::Matrix3f& leve
     const Eigen::Vector3f p = level * points.point(i);
     const double range = static_cast<double>(p.head<2>().norm());
     if (!(range >= kNearest && range < kReach) || !std::isfinite(p.z())) continue;
-    if (high && (p.z() < kAbove || p.z() > kSteepest * static_cast<float>(range))) continue;
+    if (high && (p.z() < kAbove || p.z() > kHighest * static_cast<float>(range))) continue;
     const auto ring = static_cast<std::size_t>(rings * log(range / kNearest));
     const double turn = atan2(static_cast<double>(p.y()), static_cast<double>(p.x())) / (2 * kPi) + 0.5;
     const auto sector = static_cast<std::size_t>(turn * static_cast<double>(kSectors));

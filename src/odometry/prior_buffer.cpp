@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMostSamples = 4096;
 constexpr std::int64_t kMemory = 4000000;          // microseconds
 constexpr std::int64_t kRestart = 1000000;         // microseconds back
-constexpr std::int64_t kMostGap = 500000;          // microseconds between two samples
+constexpr std::int64_t kMostPause = 500000;        // microseconds between two samples
 constexpr std::int64_t kMostAhead = 100000;        // microseconds that a motion is continued
 constexpr std::int64_t kVelocityBaseline = 50000;  // microseconds: longer than the jitter of stamps
 constexpr double kShift = 1.0;                     // seconds that no queue and no sweep explains
@@ -70,7 +70,7 @@ std::optional<Pose> PriorBuffer::interpolated(std::int64_t utime) const {
   if (after->utime == utime) return after->pose;
   if (after == samples_.begin()) return std::nullopt;
   const auto before = std::prev(after);
-  if (after->utime - before->utime > kMostGap) return std::nullopt;
+  if (after->utime - before->utime > kMostPause) return std::nullopt;
   return between(before->pose, after->pose, part_of(utime, before->utime, after->utime));
 }
 
@@ -80,7 +80,7 @@ std::optional<Pose> PriorBuffer::extrapolated(std::int64_t utime) const {
   const auto earlier = std::find_if(samples_.rbegin(), samples_.rend(), [&](const Sample& sample) {
     return newest.utime - sample.utime >= kVelocityBaseline;
   });
-  if (earlier == samples_.rend() || newest.utime - earlier->utime > kMostGap) return newest.pose;
+  if (earlier == samples_.rend() || newest.utime - earlier->utime > kMostPause) return newest.pose;
   return between(earlier->pose, newest.pose, part_of(utime, earlier->utime, newest.utime));
 }
 

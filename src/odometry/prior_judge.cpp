@@ -6,12 +6,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "geometry/angles.hpp"
 #include "geometry/elementary.hpp"
 
 namespace scanlock {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr int kStrikesOut = 5, kMostStrikes = 10;
 // Between two scans; wheels that slip a little are still a good prediction.
 constexpr double kMotionFloor = 0.10, kMotionShare = 0.25;       // metres, and of the way

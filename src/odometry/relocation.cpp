@@ -16,8 +16,8 @@ constexpr std::size_t kMostPlaces = 5;  // tried at once
 constexpr int kPatience = 20;           // scans in which a lost robot feels around on each,
 constexpr int kSeldom = 5;              // and after that on every fifth
 constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
-constexpr double kSamePlace = 1.0;      // metres: finds of two searches that mean the same,
-constexpr double kSameHeading = 6.0 * kDegree;
+constexpr double kAgreeMetres = 1.0;    // metres: finds of two searches that mean the same,
+constexpr double kAgreeRadians = 6.0 * kDegree;
 constexpr int kAgreeing = 1, kPlanarAgreeing = 3;  // earlier finds: in a plane one room is soon like another
 constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival is enough there
 // What a robot that nobody sees does not do between the last scan that was believed and the first of those
@@ -195,7 +195,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
   const bool planar = excursion_->planar(), clear = answer.evidence == PlaceEvidence::kClear;
   const auto agreeing = std::count_if(earlier_finds_.begin(), earlier_finds_.end(), [&](const Pose& other) {
-    return agree(other, answer.map_from_predicted, kSamePlace, kSameHeading);
+    return agree(other, answer.map_from_predicted, kAgreeMetres, kAgreeRadians);
   });
   const bool too_little = planar && little;
   const bool enough = planar ? !too_little && agreeing >= kPlanarAgreeing : clear || agreeing >= kAgreeing;

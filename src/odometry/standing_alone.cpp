@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kSteepest = 0.5f;  // tangent of an elevation: what is higher is not compared
 // Cells: finer than the beams of a sensor are apart, and as fine as its steps are in azimuth.
-constexpr int kRows = 192, kColumns = 1536;
+constexpr int kImageRows = 192, kImageColumns = 1536;
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 constexpr float kTurn = 6.2831853f;
 constexpr int kWidestStep = 12;  // cells (2.8 degrees): no sensor looks so seldom
@@ -20,7 +20,7 @@ constexpr int kWidestStep = 12;  // cells (2.8 degrees): no sensor looks so seld
 class RangeImage {
  public:
   RangeImage(const PointCloud& points, const std::vector<std::uint32_t>& indices)
-      : nearest_(static_cast<std::size_t>(kRows) * kColumns, kNothing) {
+      : nearest_(static_cast<std::size_t>(kImageRows) * kImageColumns, kNothing) {
     for (const std::uint32_t i : indices) {
       const Direction d = direction(points.x[i], points.y[i], points.z[i]);
       if (d.row < 0) continue;
@@ -41,22 +41,22 @@ class RangeImage {
     // Grows with the azimuth, from 0 to 4, and nearly evenly.
     const float along = std::abs(x) + std::abs(y);
     const float turn = y >= 0 ? 1 - x / along : 3 + x / along;
-    return {std::min(static_cast<int>((slope + kSteepest) * (kRows / (2 * kSteepest))), kRows - 1),
-            std::min(static_cast<int>(turn * (kColumns / 4)), kColumns - 1), range};
+    return {std::min(static_cast<int>((slope + kSteepest) * (kImageRows / (2 * kSteepest))), kImageRows - 1),
+            std::min(static_cast<int>(turn * (kImageColumns / 4)), kImageColumns - 1), range};
   }
 
   /// The nearest range `cells` beside a direction; kNothing where nothing is seen.
   float beside(const Direction& d, int cells) const {
-    const int column = (d.column + cells + kColumns) % kColumns;
+    const int column = (d.column + cells + kImageColumns) % kImageColumns;
     float nearest = kNothing;
-    for (int row = std::max(d.row - 1, 0); row <= std::min(d.row + 1, kRows - 1); ++row)
+    for (int row = std::max(d.row - 1, 0); row <= std::min(d.row + 1, kImageRows - 1); ++row)
       nearest = std::min(nearest, nearest_[index(row, column)]);
     return nearest;
   }
 
  private:
   static std::size_t index(int row, int column) {
-    return static_cast<std::size_t>(row) * kColumns + static_cast<std::size_t>(column);
+    return static_cast<std::size_t>(row) * kImageColumns + static_cast<std::size_t>(column);
   }
 
   std::vector<float> nearest_;
@@ -72,8 +72,8 @@ int step_beside(const RangeImage& image, const RangeImage::Direction& d) {
 /// `empty_is_free`: nothing seen in kWidestStep cells means that nothing is there.
 bool is_free(const RangeImage& image, const RangeImage::Direction& d, int side, float reach,
              bool empty_is_free) {
-  const float cell = kTurn / kColumns * d.range;  // metres, about
-  if (reach > kColumns / 4 * cell) return false;  // so near, nothing is aside
+  const float cell = kTurn / kImageColumns * d.range;  // metres, about
+  if (reach > kImageColumns / 4 * cell) return false;  // so near, nothing is aside
   // Most are told by what is just beyond reach.
   if (image.beside(d, side * (static_cast<int>(reach / cell) + 1)) < d.range + reach) return false;
   float last = d.range;

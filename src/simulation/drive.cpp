@@ -7,13 +7,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/angles.hpp"
 #include "geometry/elementary.hpp"
 #include "simulation/random.hpp"
 
 namespace scanlock {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kKnot = 0.05;   // seconds between knots
 constexpr double kMargin = 1.0;  // seconds that the motion is defined before its start and after its end
 constexpr double kMinimumKidnap = 3, kMaximumKidnap = 15;  // metres

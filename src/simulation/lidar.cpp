@@ -7,12 +7,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "geometry/angles.hpp"
 #include "geometry/elementary.hpp"
 
 namespace scanlock {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Eigen::Vector3d direction(double azimuth, double elevation) {
   return {cos(elevation) * cos(azimuth), cos(elevation) * sin(azimuth), sin(elevation)};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/angles.hpp"
 #include "geometry/rigid.hpp"
 #include "simulation/laps.hpp"
 #include "simulation/random.hpp"
@@ -13,9 +14,7 @@
 namespace scanlock {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr Wander kWander{0.2, 7};
-constexpr double kBend = 1.4;  // metres of way over which the route's corners are rounded
+constexpr double kRouteBend = 1.4;  // metres of way over which the route's corners are rounded
 
 struct Ring {
   double ceiling, corridor;  // height and width
@@ -141,7 +140,8 @@ World make_office_ring(std::uint64_t seed, int laps, const DriveStyle& style) {
 
   std::vector<Eigen::Vector2d> way = {{ring.length / 2, 0}, corners[1], corners[2], corners[3], corners[0]};
   if (random.chance(0.5)) std::reverse(way.begin() + 1, way.end());
-  const Polyline lap = closed_lap(way, 0.05, kBend);
+  const Polyline lap = closed_lap(way, 0.05, kRouteBend);
+  constexpr Wander kWander{0.2, 7};
   set_laps(world, lap, laps, kWander, random);
   add_people(world, lap, random);
   return world;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/angles.hpp"
 #include "geometry/elementary.hpp"
 #include "simulation/laps.hpp"
 #include "simulation/random.hpp"
@@ -12,8 +13,6 @@
 
 namespace scanlock {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// A wavy round about the origin.
 class Round {
@@ -90,10 +89,6 @@ class Hills {
   };
   std::vector<Wave> waves_;
 };
-
-Eigen::Vector3d on_ground(const Scene& scene, const Eigen::Vector2d& p) {
-  return {p.x(), p.y(), scene.terrain().height(p.x(), p.y())};
-}
 
 void add_forest_tree(Scene& scene, const Eigen::Vector3d& place, Random& random) {
   const double lean = random.uniform(0, 0.09), to = random.uniform(0, 2 * kPi);

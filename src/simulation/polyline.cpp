@@ -6,12 +6,11 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/angles.hpp"
 #include "geometry/elementary.hpp"
 
 namespace scanlock {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// One moving average over 2 half + 1 points; the curve goes on beyond its ends as its own point reflection.
 std::vector<Eigen::Vector2d> moving_average(const std::vector<Eigen::Vector2d>& in, int half) {

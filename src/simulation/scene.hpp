@@ -63,6 +63,11 @@ class Scene {
   std::vector<Item> items_;
 };
 
+/// The point of the ground above or below p.
+inline Eigen::Vector3d on_ground(const Scene& scene, const Eigen::Vector2d& p) {
+  return {p.x(), p.y(), scene.terrain().height(p.x(), p.y())};
+}
+
 /// Makes `hit` nearer when the ray meets a horizontal ceiling.
 void intersect_ceiling(double height, const Ray& ray, Hit& hit);
 

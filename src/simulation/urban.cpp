@@ -16,16 +16,11 @@ namespace {
 
 constexpr double kPavement = 3.4;   // metres: up to the fronts of houses without a garden
 constexpr double kLapLength = 600;  // metres
-constexpr Wander kWander{0.3, 40};
 
 /// Rolling ground, slopes of up to about 3 %.
 double ground_height(double x, double y, const std::array<double, 4>& phase) {
   return 1.2 * sin(x / 70 + phase[0]) + 1.0 * sin(y / 85 + phase[1]) + 0.5 * sin((x + y) / 45 + phase[2]) +
          0.03 * sin(x / 6 + phase[3]) * sin(y / 7);
-}
-
-Eigen::Vector3d on_ground(const Scene& scene, const Eigen::Vector2d& p) {
-  return {p.x(), p.y(), scene.terrain().height(p.x(), p.y())};
 }
 
 /// A slab that follows the slope of the ground and rises over it by the height of a kerb.
@@ -140,6 +135,7 @@ World make_urban(std::uint64_t seed, const RouteExtent& extent, const DriveStyle
   for (std::size_t street = 0; street < plan.streets.size(); ++street)
     for (const bool left : {false, true}) furnish_side(world.scene, plan, street, left, random);
   world.scene.build();
+  constexpr Wander kWander{0.3, 40};
   if (extent.laps > 0)
     set_laps(world, plan_loop(plan, kLapLength, random), extent.laps, kWander, random);
   else

@@ -12,7 +12,7 @@ namespace scanlock {
 namespace {
 
 constexpr int kStreets = 7;     // in each direction
-constexpr double kMargin = 25;  // of streets beyond their last crossing, metres
+constexpr double kBeyond = 25;  // of streets beyond their last crossing, metres
 constexpr double kSpacing = 0.5,
                  kBend = 9;  // of a route's points, and over which its corners are rounded, metres
 
@@ -106,9 +106,9 @@ StreetPlan plan_streets(Random& random) {
   const std::vector<Wave> along_x = make_waves(random), along_y = make_waves(random);
   StreetPlan plan;
   plan.across = kStreets;
-  const double x_end = along_y.back().base + kMargin, y_end = along_x.back().base + kMargin;
-  for (const Wave& wave : along_x) plan.streets.push_back(sample_street(wave, -kMargin, x_end, true));
-  for (const Wave& wave : along_y) plan.streets.push_back(sample_street(wave, -kMargin, y_end, false));
+  const double x_end = along_y.back().base + kBeyond, y_end = along_x.back().base + kBeyond;
+  for (const Wave& wave : along_x) plan.streets.push_back(sample_street(wave, -kBeyond, x_end, true));
+  for (const Wave& wave : along_y) plan.streets.push_back(sample_street(wave, -kBeyond, y_end, false));
   plan.crossings.resize(along_y.size());
   for (std::size_t i = 0; i < along_y.size(); ++i)
     for (const Wave& horizontal : along_x) {
@@ -116,7 +116,7 @@ StreetPlan plan_streets(Random& random) {
       for (int pass = 0; pass < 30; ++pass) x = along_y[i].at(horizontal.at(x));
       plan.crossings[i].push_back({x, horizontal.at(x)});
     }
-  plan.low = Eigen::Vector2d::Constant(-kMargin - 30);
+  plan.low = Eigen::Vector2d::Constant(-kBeyond - 30);
   plan.high = Eigen::Vector2d(x_end, y_end) + Eigen::Vector2d::Constant(30);
   return plan;
 }
