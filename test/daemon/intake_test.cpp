@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t kArrival = 5000000;
 
-struct Bench {
+struct IntakeBench {
   Config config;
   Statistics statistics{[](LogLevel, const std::string&) {}};
   Intake intake{config.daemon, statistics};
@@ -32,7 +32,7 @@ Scan hall(std::int64_t utime) {
 }  // namespace
 
 TEST_CASE("a scan comes out as its message had it and a message of another channel leads to nothing") {
-  Bench bench;
+  IntakeBench bench;
   const Bytes bytes = encode_pointcloud2(hall(1000000));
   CHECK(bench.take("ELSEWHERE", bytes).empty());
   CHECK(bench.counters().received == 0);
@@ -47,7 +47,7 @@ TEST_CASE("a scan comes out as its message had it and a message of another chann
 }
 
 TEST_CASE("a scan without a stamp takes the time of its event") {
-  Bench bench;
+  IntakeBench bench;
   const auto items = bench.take("LIDAR", encode_pointcloud2(hall(0)));
   REQUIRE(items.size() == 1);
   CHECK(std::get<ReceivedScan>(items[0]).scan.utime == kArrival);
@@ -56,7 +56,7 @@ TEST_CASE("a scan without a stamp takes the time of its event") {
 }
 
 TEST_CASE("scans are counted as scans and sectors as sectors") {
-  Bench bench;
+  IntakeBench bench;
   const std::vector<Bytes> sectors = encode_sectors(hall(1000000), {}, 6000);
   REQUIRE(sectors.size() > 2);
   std::size_t scans = 0;
@@ -70,7 +70,7 @@ TEST_CASE("scans are counted as scans and sectors as sectors") {
 }
 
 TEST_CASE("scans without times of points are counted and warned of once a channel") {
-  Bench bench;
+  IntakeBench bench;
   Scan scan = hall(1000000);
   scan.points.time.clear();
   for (int i = 0; i < 3; ++i) bench.take("LIDAR", encode_pointcloud2(scan));
@@ -80,7 +80,7 @@ TEST_CASE("scans without times of points are counted and warned of once a channe
 }
 
 TEST_CASE("commands come out and bad ones are counted") {
-  Bench bench;
+  IntakeBench bench;
   Command command;
   command.kind = CommandKind::kReset;
   const auto items = bench.take("SCANLOCK_COMMAND", encode_command(command));
@@ -91,7 +91,7 @@ TEST_CASE("commands come out and bad ones are counted") {
 }
 
 TEST_CASE("a pose that is set beyond ten thousand kilometres is refused") {
-  Bench bench;
+  IntakeBench bench;
   Command command;
   command.kind = CommandKind::kSetPose;
   command.map_from_body.translation().x() = 1.1e7;

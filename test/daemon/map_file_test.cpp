@@ -11,6 +11,7 @@
 #include <limits>
 #include <random>
 
+#include "../contains.hpp"
 #include "../io/temporary_directory.hpp"
 #include "io/atomic_file.hpp"
 #include "io/crc32.hpp"
@@ -62,10 +63,6 @@ Bytes sealed(Bytes bytes) {
   const std::uint32_t sum = crc32(bytes.data(), bytes.size() - 4);
   for (std::size_t i = 0; i < 4; ++i) bytes[bytes.size() - 4 + i] = static_cast<std::uint8_t>(sum >> (8 * i));
   return bytes;
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace
@@ -188,8 +185,8 @@ TEST_CASE("the bytes of all versions stay as they are") {
 TEST_CASE("what is wrong is named with its byte") {
   const Bytes good = encode_map(some_map(2, 10));
   CHECK(error_of(good).empty());
-  CHECK(error_of({}) == "yard.map: byte 0: not a scanlock map");
-  CHECK(error_of({'p', 'l', 'y', '\n'}) == "yard.map: byte 0: not a scanlock map");
+  CHECK(error_of(Bytes{}) == "yard.map: byte 0: not a scanlock map");
+  CHECK(error_of(Bytes{'p', 'l', 'y', '\n'}) == "yard.map: byte 0: not a scanlock map");
   Bytes newer = good;
   newer[8] = 9;
   CHECK(contains(error_of(newer), "byte 8: version 9"));

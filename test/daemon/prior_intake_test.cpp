@@ -14,7 +14,7 @@ using namespace scanlock;
 
 namespace {
 
-constexpr std::int64_t kStart = 1700000000000000;
+constexpr std::int64_t kFirstSample = 1700000000000000;
 
 Bytes attitude(std::int64_t utime, double roll) {
   bot_core::ins_t message{};
@@ -50,7 +50,7 @@ TEST_CASE("without channels there is nothing to say and nothing to blame") {
   PriorIntake intake{DaemonConfig{}};
   CHECK(intake.channels().empty());
   for (int i = 0; i < 100; ++i) {
-    const auto reading = intake.read(kStart + i);
+    const auto reading = intake.read(kFirstSample + i);
     CHECK_FALSE(reading.sample.odometry);
     CHECK_FALSE(reading.sample.level_from_body);
     CHECK(reading.fault.empty());
@@ -61,10 +61,10 @@ TEST_CASE("both sensors are read at the stamp of the scan") {
   PriorIntake intake = both();
   CHECK(intake.channels() == std::vector<std::string>{"IMU", "WHEELS"});
   for (int i = 0; i < 10; ++i) {
-    CHECK_FALSE(give(intake, "IMU", attitude(kStart + 10000 * i, 0.01 * i)));
-    CHECK_FALSE(give(intake, "WHEELS", odometry(kStart + 10000 * i, 0.1 * i)));
+    CHECK_FALSE(give(intake, "IMU", attitude(kFirstSample + 10000 * i, 0.01 * i)));
+    CHECK_FALSE(give(intake, "WHEELS", odometry(kFirstSample + 10000 * i, 0.1 * i)));
   }
-  const auto reading = intake.read(kStart + 45000);
+  const auto reading = intake.read(kFirstSample + 45000);
   CHECK(reading.fault.empty());
   REQUIRE(reading.sample.odometry);
   CHECK(reading.sample.odometry->translation().x() == doctest::Approx(0.45));
@@ -74,29 +74,29 @@ TEST_CASE("both sensors are read at the stamp of the scan") {
 
 TEST_CASE("useless messages are named and do no harm") {
   PriorIntake intake = both();
-  give(intake, "WHEELS", odometry(kStart, 1));
-  const auto wrong_type = give(intake, "WHEELS", attitude(kStart + 1000, 0));
+  give(intake, "WHEELS", odometry(kFirstSample, 1));
+  const auto wrong_type = give(intake, "WHEELS", attitude(kFirstSample + 1000, 0));
   REQUIRE(wrong_type);
   CHECK(wrong_type->find("WHEELS: ") == 0);
-  CHECK(give(intake, "WHEELS", odometry(kStart + 1000, std::numeric_limits<double>::quiet_NaN())));
-  CHECK(give(intake, "WHEELS", odometry(kStart - 1000, 7)));
+  CHECK(give(intake, "WHEELS", odometry(kFirstSample + 1000, std::numeric_limits<double>::quiet_NaN())));
+  CHECK(give(intake, "WHEELS", odometry(kFirstSample - 1000, 7)));
   CHECK(give(intake, "IMU", {1, 2, 3}));
   CHECK_FALSE(give(intake, "OTHER", {1, 2, 3}));
-  CHECK(intake.read(kStart).sample.odometry->translation().x() == 1);
+  CHECK(intake.read(kFirstSample).sample.odometry->translation().x() == 1);
 }
 
 TEST_CASE("a sensor that is silent or stale or on another clock is reported by name") {
   PriorIntake intake = both();
   std::string fault;
-  for (int i = 0; i < 30; ++i) fault = intake.read(kStart + 100000 * i).fault;
+  for (int i = 0; i < 30; ++i) fault = intake.read(kFirstSample + 100000 * i).fault;
   CHECK(fault.find("IMU: nothing came") != std::string::npos);
   CHECK(fault.find("WHEELS: nothing came") != std::string::npos);
-  give(intake, "WHEELS", odometry(kStart + 3000000, 1));
-  fault = intake.read(kStart + 3500000).fault;
+  give(intake, "WHEELS", odometry(kFirstSample + 3000000, 1));
+  fault = intake.read(kFirstSample + 3500000).fault;
   CHECK(fault.find("WHEELS: nothing near the scan") != std::string::npos);
   CHECK(fault.find("0.50 s behind") != std::string::npos);
-  give(intake, "WHEELS", odometry(kStart + 63500000, 1));
-  const auto shifted = intake.read(kStart + 3600000);
+  give(intake, "WHEELS", odometry(kFirstSample + 63500000, 1));
+  const auto shifted = intake.read(kFirstSample + 3600000);
   CHECK_FALSE(shifted.sample.odometry);
   CHECK(shifted.fault.find("59.90 s ahead") != std::string::npos);
 }

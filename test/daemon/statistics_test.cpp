@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include "../contains.hpp"
 #include "daemon/log.hpp"
 #include "daemon/silence.hpp"
 
@@ -14,10 +15,6 @@ using std::chrono::seconds;
 namespace {
 
 const auto kStart = std::chrono::steady_clock::time_point(seconds(1000));
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 TrackedScan unused(ScanVerdict verdict) {
   TrackedScan tracked;

@@ -20,7 +20,7 @@ using std::chrono::seconds;
 
 namespace {
 
-constexpr int kScans = 16;
+constexpr int kPlayedScans = 16;
 #ifdef __SANITIZE_ADDRESS__
 const char* const kSpeed =
     "0.2";  // a sanitised tracker is several times slower; losing scans would be right then
@@ -99,21 +99,21 @@ TEST_CASE("every scan that lcm-logplayer plays has its pose in what lcm-logger r
     return;
   }
   const TemporaryFolder folder;
-  const std::vector<Event> events = drive(kScans);
+  const std::vector<Event> events = drive(kPlayedScans);
   REQUIRE(events[0].data.size() > 1900000);
   write_log(folder / "in.lcmlog", events);
-  const Recorded recorded = play_through(network, folder, folder / "in.lcmlog", kScans);
-  CHECK(recorded.status.scans_received == kScans);
-  CHECK(recorded.status.scans_used == kScans);
+  const Recorded recorded = play_through(network, folder, folder / "in.lcmlog", kPlayedScans);
+  CHECK(recorded.status.scans_received == kPlayedScans);
+  CHECK(recorded.status.scans_used == kPlayedScans);
   CHECK(recorded.status.scans_replaced == 0);
   CHECK(recorded.status.kernel_drops == 0);
   CHECK(recorded.status.recv_buf_granted >= 4000000);
-  for (int i = 0; i < kScans; ++i) {
+  for (int i = 0; i < kPlayedScans; ++i) {
     CAPTURE(i);
     CHECK(recorded.poses.count(utime_of(i)) == 1);
   }
-  CHECK(recorded.poses.size() == kScans);
-  CHECK(worst_error(recorded.poses, kScans) < 0.05);
+  CHECK(recorded.poses.size() == kPlayedScans);
+  CHECK(worst_error(recorded.poses, kPlayedScans) < 0.05);
 }
 
 TEST_CASE("the first scans of KITTI 00 end within 8 cm of the reference") {
@@ -130,9 +130,9 @@ TEST_CASE("the first scans of KITTI 00 end within 8 cm of the reference") {
   const TemporaryFolder folder;
   REQUIRE(run(folder, {"scanlock-convert", sequence, folder / "in.lcmlog"}).code == 0);
   const std::vector<Event> scans = read_log(folder / "in.lcmlog");
-  REQUIRE(scans.size() == kScans);
-  const Recorded recorded = play_through(network, folder, folder / "in.lcmlog", kScans);
-  REQUIRE(recorded.poses.size() == kScans);
+  REQUIRE(scans.size() == kPlayedScans);
+  const Recorded recorded = play_through(network, folder, folder / "in.lcmlog", kPlayedScans);
+  REQUIRE(recorded.poses.size() == kPlayedScans);
   for (const auto& scan : scans) CHECK(recorded.poses.count(utime_in(scan)) == 1);
   const Place last = recorded.poses.rbegin()->second, reference = last_of(sequence + "/poses_ref.txt");
   CAPTURE(last.x);

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <scanlock/command_t.hpp>
 
+#include "../contains.hpp"
 #include "listener.hpp"
 #include "network.hpp"
 #include "process.hpp"
@@ -16,10 +17,6 @@ using namespace scanlock::test;
 using std::chrono::seconds;
 
 namespace {
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 std::vector<std::uint8_t> command(std::int8_t kind, const std::string& path = "") {
   scanlock::command_t message{};
@@ -40,8 +37,6 @@ void drive_along(Listener& listener, int first, int last) {
   }
 }
 
-using Command = scanlock::command_t;
-
 }  // namespace
 
 TEST_CASE("commands over LCM are done and counted and bad ones explained") {
@@ -54,22 +49,22 @@ TEST_CASE("commands over LCM are done and counted and bad ones explained") {
   Listener listener(network.url());
   Process daemon(folder, {"scanlockd", "-l", network.url()});
   REQUIRE(listener.until_ready());
-  listener.publish("SCANLOCK_COMMAND", command(Command::SET_POSE));
+  listener.publish("SCANLOCK_COMMAND", command(scanlock::command_t::SET_POSE));
   REQUIRE(listener.until([&] { return listener.status.commands == 1; }));
   drive_along(listener, 0, 4);
   CHECK(listener.odometry.front().pos[0] == doctest::Approx(7).epsilon(0.05));
 
-  listener.publish("SCANLOCK_COMMAND", command(Command::SAVE_MAP, folder / "street.map"));
+  listener.publish("SCANLOCK_COMMAND", command(scanlock::command_t::SAVE_MAP, folder / "street.map"));
   CHECK(listener.until([&] { return std::filesystem::exists(folder / "street.map"); }));
   CHECK(listener.until([&] { return listener.status.commands == 2; }));
 
   const auto epoch = listener.odometry.back().epoch;
-  listener.publish("SCANLOCK_COMMAND", command(Command::RESET));
+  listener.publish("SCANLOCK_COMMAND", command(scanlock::command_t::RESET));
   CHECK(listener.until([&] { return listener.status.commands == 3; }));
   drive_along(listener, 4, 5);
   CHECK(listener.odometry.back().epoch > epoch);
 
-  listener.publish("SCANLOCK_COMMAND", command(Command::LOAD_MAP, folder / "none.map"));
+  listener.publish("SCANLOCK_COMMAND", command(scanlock::command_t::LOAD_MAP, folder / "none.map"));
   CHECK(listener.until([&] { return listener.status.commands_rejected == 1; }));
   CHECK(contains(listener.status.last_error, "none.map"));
   listener.publish("SCANLOCK_COMMAND", command(77));

@@ -2,38 +2,25 @@
 // SPDX-License-Identifier: MIT
 // scanlock-convert and scanlock-evaluate as a person or a script meets them.
 #include <doctest/doctest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
+#include <iterator>
+#include <sstream>
 #include <string>
 
-#include "../io/temporary_directory.hpp"
+#include "../contains.hpp"
 #include "io/cloud_file.hpp"
 #include "io/trajectory.hpp"
+#include "process.hpp"
 
-namespace scanlock {
+namespace scanlock::test {
 namespace {
 
-struct Run {
-  int exit_code = -1;
-  std::string out, err;
-};
-
-Run run(const TemporaryDirectory& directory, const std::string& arguments) {
-  const std::string out = directory / "stdout", err = directory / "stderr";
-  const std::string command = SCANLOCK_BIN_DIR "/" + arguments + " >" + out + " 2>" + err;
-  Run result;
-  result.exit_code = WEXITSTATUS(std::system(command.c_str()));
-  const Bytes out_bytes = file_bytes(out), err_bytes = file_bytes(err);
-  result.out.assign(out_bytes.begin(), out_bytes.end());
-  result.err.assign(err_bytes.begin(), err_bytes.end());
-  return result;
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
+/// `line`: a program and its arguments, with blanks between them.
+Result run_line(const TemporaryFolder& folder, const std::string& line) {
+  std::istringstream words(line);
+  return run(folder, CommandLine(std::istream_iterator<std::string>(words), {}));
 }
 
 std::size_t lines(const std::string& text) {
@@ -41,7 +28,7 @@ std::size_t lines(const std::string& text) {
 }
 
 /// 200 m straight on at 1 m a pose; the estimate is 1 % too long.
-void write_trajectories(const TemporaryDirectory& directory) {
+void write_trajectories(const TemporaryFolder& folder) {
   Trajectory reference, estimate;
   for (int i = 0; i <= 200; ++i) {
     StampedPose stamped;
@@ -51,84 +38,81 @@ void write_trajectories(const TemporaryDirectory& directory) {
     stamped.pose.translation().x() = 1.01 * i;
     estimate.push_back(stamped);
   }
-  write_tum(directory / "reference.tum", reference);
-  write_tum(directory / "estimate.tum", estimate);
+  write_tum(folder / "reference.tum", reference);
+  write_tum(folder / "estimate.tum", estimate);
 }
 
 }  // namespace
 
 TEST_CASE("programs tell help and version and refuse wrong usage with 2") {
-  TemporaryDirectory directory;
+  TemporaryFolder folder;
   for (const std::string program : {"scanlock-convert", "scanlock-evaluate"}) {
     CAPTURE(program);
-    const Run help = run(directory, program + " --help");
-    CHECK(help.exit_code == 0);
-    CHECK(contains(help.out, "Usage:"));
-    CHECK(help.err.empty());
-    CHECK(contains(run(directory, program + " -V").out, program + " "));
-    CHECK(run(directory, program).exit_code == 2);
-    CHECK(run(directory, program + " a b --no-such-flag").exit_code == 2);
-    const Run failed = run(directory, program + " " + (directory / "none") + " " + (directory / "b.tum"));
-    CHECK(failed.exit_code == 1);
-    CHECK(failed.out.empty());
-    CHECK(lines(failed.err) == 1);
-    CHECK(contains(failed.err, "none: no such file"));
+    const Result help = run_line(folder, program + " --help");
+    CHECK(help.code == 0);
+    CHECK(contains(help.output, "Usage:"));
+    CHECK(help.errors.empty());
+    CHECK(contains(run_line(folder, program + " -V").output, program + " "));
+    CHECK(run_line(folder, program).code == 2);
+    CHECK(run_line(folder, program + " a b --no-such-flag").code == 2);
+    const Result failed = run_line(folder, program + " " + (folder / "none") + " " + (folder / "b.tum"));
+    CHECK(failed.code == 1);
+    CHECK(failed.output.empty());
+    CHECK(lines(failed.errors) == 1);
+    CHECK(contains(failed.errors, "none: no such file"));
   }
-  CHECK(run(directory, "scanlock-evaluate a b --align foo").exit_code == 2);
-  CHECK(run(directory, "scanlock-convert a b --type foo").exit_code == 2);
-  CHECK(run(directory, "scanlock-convert a b --info").exit_code == 2);
+  CHECK(run_line(folder, "scanlock-evaluate a b --align foo").code == 2);
+  CHECK(run_line(folder, "scanlock-convert a b --type foo").code == 2);
+  CHECK(run_line(folder, "scanlock-convert a b --info").code == 2);
 }
 
 TEST_CASE("evaluate prints one JSON object with the members of the contract") {
-  TemporaryDirectory directory;
-  write_trajectories(directory);
-  const std::string files = (directory / "estimate.tum") + " " + (directory / "reference.tum");
-  const Run result = run(directory, "scanlock-evaluate " + files + " --json --picture " +
-                                        (directory / "p.svg") + " --html " + (directory / "p.html"));
-  CHECK(result.exit_code == 0);
-  CHECK(result.err.empty());
-  CHECK(lines(result.out) == 1);
+  TemporaryFolder folder;
+  write_trajectories(folder);
+  const std::string files = (folder / "estimate.tum") + " " + (folder / "reference.tum");
+  const Result result = run_line(folder, "scanlock-evaluate " + files + " --json --picture " +
+                                             (folder / "p.svg") + " --html " + (folder / "p.html"));
+  CHECK(result.code == 0);
+  CHECK(result.errors.empty());
+  CHECK(lines(result.output) == 1);
   for (const char* part : {"{\"poses\":201,\"matched\":201,\"length_m\":200.0,\"ate_m\":{\"rmse\":1.1",
                            "\"median\":", "\"max\":2.0", "\"rpe\":{\"1m\":{\"percent\":1.0",
                            "\"10m\":{\"percent\":", "\"100m\":{", "\"kitti\":{\"percent\":", "\"nees\":null,",
                            "\"deg_per_m\":0.0", "\"recovery_s\":[]}"})
-    CHECK_MESSAGE(contains(result.out, part), part, " in ", result.out);
-  CHECK(std::filesystem::file_size(directory / "p.svg") > 1000);
-  CHECK(std::filesystem::file_size(directory / "p.html") > std::filesystem::file_size(directory / "p.svg"));
+    CHECK_MESSAGE(contains(result.output, part), part, " in ", result.output);
+  CHECK(std::filesystem::file_size(folder / "p.svg") > 1000);
+  CHECK(std::filesystem::file_size(folder / "p.html") > std::filesystem::file_size(folder / "p.svg"));
 }
 
 TEST_CASE("convert carries trajectories to and fro and scans into a log that it can tell about") {
-  TemporaryDirectory directory;
-  write_trajectories(directory);
-  const std::string tum = directory / "reference.tum", kitti = directory / "r.kitti",
-                    back = directory / "b.tum";
-  CHECK(run(directory, "scanlock-convert " + tum + " " + kitti).exit_code == 0);
-  CHECK(run(directory, "scanlock-convert " + kitti + " " + back + " --utime 100000000").exit_code == 0);
-  CHECK(file_bytes(back) == file_bytes(tum));
+  TemporaryFolder folder;
+  write_trajectories(folder);
+  const std::string tum = folder / "reference.tum", kitti = folder / "r.kitti", back = folder / "b.tum";
+  CHECK(run_line(folder, "scanlock-convert " + tum + " " + kitti).code == 0);
+  CHECK(run_line(folder, "scanlock-convert " + kitti + " " + back + " --utime 100000000").code == 0);
+  CHECK(read_file(back) == read_file(tum));
 
-  std::filesystem::create_directory(directory / "scans");
+  std::filesystem::create_directory(folder / "scans");
   PointCloud cloud;
   for (int i = 0; i < 100; ++i) cloud.push_back(static_cast<float>(i), 1, 2);
-  for (const char* name : {"scans/0.bin", "scans/1.ply", "scans/2.pcd"}) write_cloud(directory / name, cloud);
-  const std::string log = directory / "a.lcmlog";
-  CHECK(
-      run(directory, "scanlock-convert " + (directory / "scans") + " " + log + " --channel TOP").exit_code ==
-      0);
-  const Run info = run(directory, "scanlock-convert " + log + " --info --json");
-  CHECK(contains(info.out, "\"name\":\"TOP\",\"type\":\"bot_core.pointcloud2_t\",\"events\":3"));
-  CHECK(contains(info.out, "\"first_utime\":1000000,\"last_utime\":1200000"));
-  CHECK(contains(info.out, "\"truncated\":false"));
-  const Run wrong = run(directory, "scanlock-convert " + log + " " + (directory / "out"));
-  CHECK(wrong.exit_code == 1);
-  CHECK(contains(wrong.err, "nothing on channel LIDAR; the log has TOP"));
+  for (const char* name : {"scans/0.bin", "scans/1.ply", "scans/2.pcd"}) write_cloud(folder / name, cloud);
+  const std::string log = folder / "a.lcmlog";
+  CHECK(run_line(folder, "scanlock-convert " + (folder / "scans") + " " + log + " --channel TOP").code == 0);
+  const Result info = run_line(folder, "scanlock-convert " + log + " --info --json");
+  CHECK(contains(info.output, "\"name\":\"TOP\",\"type\":\"bot_core.pointcloud2_t\",\"events\":3"));
+  CHECK(contains(info.output, "\"first_utime\":1000000,\"last_utime\":1200000"));
+  CHECK(contains(info.output, "\"truncated\":false"));
+  const Result wrong = run_line(folder, "scanlock-convert " + log + " " + (folder / "out"));
+  CHECK(wrong.code == 1);
+  CHECK(contains(wrong.errors, "nothing on channel LIDAR; the log has TOP"));
 
   std::filesystem::resize_file(log, std::filesystem::file_size(log) - 1);
-  const Run cut = run(directory, "scanlock-convert " + log + " " + (directory / "out") + " --channel TOP");
-  CHECK(cut.exit_code == 0);
-  CHECK(contains(cut.out, "2 scans, 200 points"));
-  CHECK(contains(cut.err, "a.lcmlog: its last event is cut short"));
-  CHECK(read_cloud(directory / "out/000001.bin").x == cloud.x);
-  CHECK(contains(run(directory, "scanlock-convert " + log + " --info").out, "TRUNCATED"));
+  const Result cut = run_line(folder, "scanlock-convert " + log + " " + (folder / "out") + " --channel TOP");
+  CHECK(cut.code == 0);
+  CHECK(contains(cut.output, "2 scans, 200 points"));
+  CHECK(contains(cut.errors, "a.lcmlog: its last event is cut short"));
+  CHECK(read_cloud(folder / "out/000001.bin").x == cloud.x);
+  CHECK(contains(run_line(folder, "scanlock-convert " + log + " --info").output, "TRUNCATED"));
 }
 
-}  // namespace scanlock
+}  // namespace scanlock::test

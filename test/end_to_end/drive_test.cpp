@@ -22,8 +22,8 @@ struct Step {
 
 /// A drive with a vlp16, through rooms unless another world is named; searches are answered at once.
 /// From 14 s on stamps are `clock_step` microseconds off.
-std::vector<Step> drive(double seconds, std::uint64_t seed, const std::vector<const char*>& events,
-                        std::int64_t clock_step = 0, WorldKind world = WorldKind::kIndoor) {
+std::vector<Step> simulated_drive(double seconds, std::uint64_t seed, const std::vector<const char*>& events,
+                                  std::int64_t clock_step = 0, WorldKind world = WorldKind::kIndoor) {
   SimulationConfig config;
   config.world = world;
   config.seconds = seconds;
@@ -49,7 +49,7 @@ TEST_SUITE("long drives") {
   TEST_CASE("a robot that is carried while scans are missing is not tracked where it was") {
     for (const std::uint64_t seed : {3005, 3031}) {
       CAPTURE(seed);
-      const std::vector<Step> steps = drive(17, seed, {"kidnap@14", "dropout@14+0.4"});
+      const std::vector<Step> steps = simulated_drive(17, seed, {"kidnap@14", "dropout@14+0.4"});
       for (const Step& step : steps)
         if (step.tracked.state == TrackingState::kTracking) CHECK(step.metres_off() < 0.5);
       CHECK(steps.back().tracked.state == TrackingState::kTracking);
@@ -58,7 +58,7 @@ TEST_SUITE("long drives") {
   }
 
   TEST_CASE("a robot that came back from darkness is not lost again at the next scan") {
-    const std::vector<Step> steps = drive(22, 992, {"blackout@15+2"});
+    const std::vector<Step> steps = simulated_drive(22, 992, {"blackout@15+2"});
     CHECK(steps.back().tracked.state == TrackingState::kTracking);
     CHECK(steps.back().tracked.epoch == 1);
     CHECK(steps.back().metres_off() < 0.3);
@@ -67,7 +67,7 @@ TEST_SUITE("long drives") {
   TEST_CASE("a clock that steps by half a second costs two scans") {
     for (const std::uint64_t seed : {11, 12, 13}) {
       CAPTURE(seed);
-      const std::vector<Step> steps = drive(17, seed, {}, -500000);
+      const std::vector<Step> steps = simulated_drive(17, seed, {}, -500000);
       int rejected = 0;
       for (std::size_t i = 1; i < steps.size(); ++i) {
         const TrackedScan& tracked = steps[i].tracked;
@@ -84,7 +84,7 @@ TEST_SUITE("long drives") {
   TEST_CASE("missing scans alone are bridged") {
     for (const std::uint64_t seed : {3101, 3102, 3107}) {
       CAPTURE(seed);
-      const std::vector<Step> steps = drive(17, seed, {"dropout@12+0.5", "dropout@15+1"});
+      const std::vector<Step> steps = simulated_drive(17, seed, {"dropout@12+0.5", "dropout@15+1"});
       for (std::size_t i = 1; i < steps.size(); ++i) {
         CHECK(steps[i].tracked.method == PoseMethod::kIcp);
         CHECK(steps[i].metres_off() < 0.3);
@@ -93,7 +93,8 @@ TEST_SUITE("long drives") {
   }
 
   TEST_CASE("a robot that stops in a wood is not taken for one that turns") {
-    const std::vector<Step> steps = drive(72, 7001, {}, 0, WorldKind::kForest);  // it stands from 64 s on
+    const std::vector<Step> steps =
+        simulated_drive(72, 7001, {}, 0, WorldKind::kForest);  // it stands from 64 s on
     int tracking = 0;  // the others are DEGRADED: few trees hold it as nearly as that is promised
     for (std::size_t i = 1; i < steps.size(); ++i) {
       CHECK(steps[i].tracked.method == PoseMethod::kIcp);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "../contains.hpp"
 #include "listener.hpp"
 #include "network.hpp"
 #include "process.hpp"
@@ -20,10 +21,6 @@ namespace {
 
 long lines_in(const std::string& text) {
   return std::count(text.begin(), text.end(), '\n');
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace

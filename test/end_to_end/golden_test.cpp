@@ -26,13 +26,6 @@ const char* name_of_state(int state) {
   return kNames[state];
 }
 
-template <typename Message>
-Message decoded(const Event& event) {
-  Message message{};
-  REQUIRE(message.decode(event.data.data(), 0, static_cast<int>(event.data.size())) > 0);
-  return message;
-}
-
 template <typename... Values>
 std::string line(const char* format, Values... values) {
   char text[512];

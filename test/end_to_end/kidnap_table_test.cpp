@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "../contains.hpp"
 #include "process.hpp"
 
 using namespace scanlock::test;
@@ -27,10 +28,6 @@ std::vector<std::string> table_command(const std::vector<std::string>& more) {
                                       "kidnap@4.5"};
   command.insert(command.end(), more.begin(), more.end());
   return command;
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "../contains.hpp"
 #include "align_samples.hpp"
 #include "io/cloud_file.hpp"
 #include "io/scan_directory.hpp"
@@ -20,11 +21,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Command = std::vector<std::string>;
-
 /// A run that writes one file, the word OUT in its command.
 struct Writer {
-  Command command;
+  CommandLine command;
   std::string output;  ///< its name
 };
 
@@ -50,16 +49,16 @@ struct Inputs {
     write_log(log, drive(4, 16, 900));
   }
 
-  Command align(const Command& more) const {
-    Command command = {"scanlock-align", source, target, "--method", "robust-icp-plane"};
+  CommandLine align(const CommandLine& more) const {
+    CommandLine command = {"scanlock-align", source, target, "--method", "robust-icp-plane"};
     command.insert(command.end(), more.begin(), more.end());
     return command;
   }
 
   std::vector<Writer> writers() const {
-    const Command simulate = {"scanlock-simulate", "--world", "field", "--seconds", "0.3"};
-    const auto simulating = [&](const Command& more) {
-      Command command = simulate;
+    const CommandLine simulate = {"scanlock-simulate", "--world", "field", "--seconds", "0.3"};
+    const auto simulating = [&](const CommandLine& more) {
+      CommandLine command = simulate;
       command.insert(command.end(), more.begin(), more.end());
       return command;
     };
@@ -82,8 +81,8 @@ struct Inputs {
         {{"scanlockd", "-l", "file://" + log + "?speed=0", "--out-url", "file://OUT?mode=w"}, "out.lcmlog"}};
   }
 
-  Command written_to(const Writer& writer, const std::string& path) const {
-    Command command = writer.command;
+  CommandLine written_to(const Writer& writer, const std::string& path) const {
+    CommandLine command = writer.command;
     for (std::string& word : command) {
       const std::size_t at = word.find("OUT");
       if (at != std::string::npos) word.replace(at, 3, path);
@@ -92,23 +91,13 @@ struct Inputs {
   }
 };
 
-std::string joined(const Command& command) {
-  std::string text;
-  for (const std::string& word : command) text += word + " ";
-  return text;
-}
-
-Command with(Command command, const std::string& word) {
+CommandLine with(CommandLine command, const std::string& word) {
   command.push_back(word);
   return command;
 }
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// One line that the program signs, and exit 1.
-void check_refusal(const Command& command, const Result& result) {
+void check_refusal(const CommandLine& command, const Result& result) {
   CHECK(result.code == 1);
   CHECK(result.errors.rfind(command[0] + ": ", 0) == 0);
   CHECK(std::count(result.errors.begin(), result.errors.end(), '\n') == 1);
@@ -120,7 +109,7 @@ TEST_CASE("no program overwrites a file unless it is told to") {
   const Inputs inputs;
   for (const Writer& writer : inputs.writers()) {
     const std::string output = inputs.folder / writer.output;
-    const Command command = inputs.written_to(writer, output);
+    const CommandLine command = inputs.written_to(writer, output);
     CAPTURE(joined(command));
     write_file(output, "precious");
     const Result refused = run(inputs.folder, command);
@@ -145,7 +134,7 @@ TEST_CASE("no program writes over what it reads, not even when it is told to") {
   write_file(config, "[tracker]\nthreads = 1\n");
   write_transform(transform, scanlock::Pose::Identity());
   fs::create_symlink(inputs.target, link);
-  const Command commands[] = {
+  const CommandLine commands[] = {
       inputs.align({"--output", inputs.source}),
       inputs.align({"--output", link}),
       inputs.align({"--init", transform, "--picture", transform}),
@@ -169,7 +158,7 @@ TEST_CASE("no program writes over what it reads, not even when it is told to") {
     return all;
   };
   const std::string before = contents();
-  for (const Command& command : commands) {
+  for (const CommandLine& command : commands) {
     CAPTURE(joined(command));
     const Result result = run(inputs.folder, with(command, "--force"));
     check_refusal(command, result);
@@ -181,14 +170,14 @@ TEST_CASE("no program writes over what it reads, not even when it is told to") {
 TEST_CASE("two outputs in one file are refused") {
   const Inputs inputs;
   const std::string output = inputs.folder / "out.txt";
-  const Command commands[] = {
+  const CommandLine commands[] = {
       inputs.align({"--output", output, "--picture", output}),
       inputs.align({inputs.target, "--chain", "--poses", output, "--output", output}),
       {"scanlock-evaluate", inputs.tum, inputs.tum, "--picture", output, "--html", output},
       {"scanlock-simulate", "--seconds", "0.3", output, "--truth", output},
       {"scanlock-odometry", inputs.log, "--poses", output, "--kitti", output},
       {"scanlock-odometry", inputs.log, "--output", output, "--map", output}};
-  for (const Command& command : commands) {
+  for (const CommandLine& command : commands) {
     CAPTURE(joined(command));
     const Result result = run(inputs.folder, with(command, "--force"));
     check_refusal(command, result);
@@ -200,8 +189,8 @@ TEST_CASE("two outputs in one file are refused") {
 TEST_CASE("the map and the log of the daemon are two files") {
   const Inputs inputs;
   const std::string output = inputs.folder / "out";
-  const Command command = {"scanlockd", "-l",        "file://" + inputs.log + "?speed=0", "--map",
-                           output,      "--out-url", "file://" + output + "?mode=w"};
+  const CommandLine command = {"scanlockd", "-l",        "file://" + inputs.log + "?speed=0", "--map",
+                               output,      "--out-url", "file://" + output + "?mode=w"};
   const Result result = run(inputs.folder, command);
   check_refusal(command, result);
   CHECK(contains(result.errors, "two outputs, but one file"));
@@ -213,12 +202,13 @@ TEST_CASE("a daemon that cannot start leaves the log it was to write as it was")
   const std::string output = inputs.folder / "out.lcmlog", damaged = inputs.folder / "damaged.map",
                     input = "file://" + inputs.log;
   write_file(damaged, "no map");
-  const Command starts[] = {{"scanlockd", "-l", input + "?speed=0", "--map", damaged},
-                            {"scanlockd", "-l", input + "?speed=0", "--map", inputs.folder / "none/a.map"},
-                            {"scanlockd", "-l", input + "?speed=fast"},
-                            {"scanlockd", "-l", input + "?sped=0"},
-                            {"scanlockd", "-l", "udpm://10.0.0.1:7667"}};
-  for (Command command : starts) {
+  const CommandLine starts[] = {
+      {"scanlockd", "-l", input + "?speed=0", "--map", damaged},
+      {"scanlockd", "-l", input + "?speed=0", "--map", inputs.folder / "none/a.map"},
+      {"scanlockd", "-l", input + "?speed=fast"},
+      {"scanlockd", "-l", input + "?sped=0"},
+      {"scanlockd", "-l", "udpm://10.0.0.1:7667"}};
+  for (CommandLine command : starts) {
     command.insert(command.end(), {"--out-url", "file://" + output + "?mode=w", "--force"});
     CAPTURE(joined(command));
     CHECK(run(inputs.folder, command).code == 1);
@@ -232,7 +222,7 @@ TEST_CASE("a daemon that cannot start leaves the log it was to write as it was")
 
 TEST_CASE("convert does not write one kind of file under the name of another") {
   const Inputs inputs;
-  const std::pair<Command, std::string> cases[] = {
+  const std::pair<CommandLine, std::string> cases[] = {
       {{"scanlock-convert", inputs.scans, inputs.folder / "out.tum"}, "go into a .lcmlog"},
       {{"scanlock-convert", inputs.scans, inputs.folder / "out.kitti"}, "go into a .lcmlog"},
       {{"scanlock-convert", inputs.log, inputs.folder / "out.lcmlog"}, "go into a directory"},
@@ -248,9 +238,9 @@ TEST_CASE("convert does not write one kind of file under the name of another") {
 TEST_CASE("a cloud of a kind that cannot be written is refused before any work") {
   const Inputs inputs;
   const std::string cloud = inputs.folder / "out.foo", other = inputs.folder / "other";
-  const Command commands[] = {inputs.align({"--output", cloud, "--picture", other}),
-                              {"scanlock-odometry", inputs.log, "--map", cloud, "--output", other}};
-  for (const Command& command : commands) {
+  const CommandLine commands[] = {inputs.align({"--output", cloud, "--picture", other}),
+                                  {"scanlock-odometry", inputs.log, "--map", cloud, "--output", other}};
+  for (const CommandLine& command : commands) {
     const Result result = run(inputs.folder, command);
     check_refusal(command, result);
     CHECK(contains(result.errors, cloud + ": unknown kind of cloud"));
@@ -263,10 +253,10 @@ TEST_CASE("a directory of scans is not mixed with what is in it already") {
   const Inputs inputs;
   const std::string log = inputs.folder / "a.lcmlog", out = inputs.folder / "out";
   REQUIRE(run(inputs.folder, {"scanlock-convert", inputs.scans, log}).code == 0);
-  const Command commands[] = {
+  const CommandLine commands[] = {
       {"scanlock-convert", log, out},
       {"scanlock-simulate", "--world", "field", "--seconds", "0.3", "/dev/null", "--bin", out}};
-  for (const Command& command : commands) {
+  for (const CommandLine& command : commands) {
     CAPTURE(joined(command));
     scanlock::ScanDirectoryWriter writer(out);
     for (int i = 0; i < 9; ++i) writer.write({i + 1, corner(1)});
@@ -289,14 +279,14 @@ TEST_CASE("an output that cannot be written to its end is exit 1 with the reason
   for (const Writer& writer : inputs.writers()) {
     const std::string output = inputs.folder / writer.output;
     fs::create_symlink("/dev/full", output);
-    const Command command = inputs.written_to(writer, output);
+    const CommandLine command = inputs.written_to(writer, output);
     CAPTURE(joined(command));
     const Result result = run(inputs.folder, command);
     CHECK(result.code == 1);
     CHECK(contains(result.errors, command[0] + ": " + output + ": cannot "));
     CHECK(contains(result.errors, ": No space left on device"));
     fs::remove(output);
-    const Command nowhere = inputs.written_to(writer, inputs.folder / ("none/" + writer.output));
+    const CommandLine nowhere = inputs.written_to(writer, inputs.folder / ("none/" + writer.output));
     const Result refused = run(inputs.folder, nowhere);
     check_refusal(nowhere, refused);
     CHECK(contains(refused.errors, ": No such file or directory"));
@@ -306,8 +296,8 @@ TEST_CASE("an output that cannot be written to its end is exit 1 with the reason
 TEST_CASE("a replay in which no scan was used writes neither map nor poses") {
   const Inputs inputs;
   const std::string map = inputs.folder / "map.ply", poses = inputs.folder / "poses.tum";
-  const Command command = {"scanlock-odometry", inputs.log, "--scan-channel", "OTHER", "--map", map,
-                           "--poses",           poses};
+  const CommandLine command = {"scanlock-odometry", inputs.log, "--scan-channel", "OTHER", "--map", map,
+                               "--poses",           poses};
   check_refusal(command, run(inputs.folder, command));
   CHECK_FALSE(fs::exists(map));
   CHECK_FALSE(fs::exists(poses));
@@ -340,26 +330,27 @@ TEST_CASE("what cannot be printed is exit 1 with the reason") {
   const Inputs inputs;
   const std::string matches = inputs.folder / "matches.txt";
   write_file(matches, "1 0 0 1 3 3\n0 1 0 0 2 3\n2 2 1 -1 4 4\n");
-  const Command commands[] = {inputs.align({}),
-                              inputs.align({"--json"}),
-                              inputs.align({"--help"}),
-                              inputs.align({inputs.target, "--chain"}),
-                              inputs.align({inputs.target, "--chain", "--json"}),
-                              {"scanlock-align", "--correspondences", matches, "--epsilon", "0.1", "--json"},
-                              {"scanlock-convert", inputs.log, "--info"},
-                              {"scanlock-convert", inputs.log, "--info", "--json"},
-                              {"scanlock-convert", inputs.tum, inputs.folder / "out.kitti"},
-                              {"scanlock-convert", "--version"},
-                              {"scanlock-evaluate", inputs.tum, inputs.tum},
-                              {"scanlock-evaluate", inputs.tum, inputs.tum, "--json"},
-                              {"scanlock-simulate", "--world", "field", "--seconds", "0.3", "/dev/null"},
-                              {"scanlock-odometry", inputs.log},
-                              {"scanlock-odometry", inputs.log, "--json"},
-                              {"scanlockd", "--print-config"}};
-  for (const Command& command : commands) {
+  const CommandLine commands[] = {
+      inputs.align({}),
+      inputs.align({"--json"}),
+      inputs.align({"--help"}),
+      inputs.align({inputs.target, "--chain"}),
+      inputs.align({inputs.target, "--chain", "--json"}),
+      {"scanlock-align", "--correspondences", matches, "--epsilon", "0.1", "--json"},
+      {"scanlock-convert", inputs.log, "--info"},
+      {"scanlock-convert", inputs.log, "--info", "--json"},
+      {"scanlock-convert", inputs.tum, inputs.folder / "out.kitti"},
+      {"scanlock-convert", "--version"},
+      {"scanlock-evaluate", inputs.tum, inputs.tum},
+      {"scanlock-evaluate", inputs.tum, inputs.tum, "--json"},
+      {"scanlock-simulate", "--world", "field", "--seconds", "0.3", "/dev/null"},
+      {"scanlock-odometry", inputs.log},
+      {"scanlock-odometry", inputs.log, "--json"},
+      {"scanlockd", "--print-config"}};
+  for (const CommandLine& command : commands) {
     CAPTURE(joined(command));
-    Command full = {"sh", "-c", "exec \"$0\" \"$@\" >/dev/full",
-                    std::string(SCANLOCK_BIN_DIR) + "/" + command[0]};
+    CommandLine full = {"sh", "-c", "exec \"$0\" \"$@\" >/dev/full",
+                        std::string(SCANLOCK_BIN_DIR) + "/" + command[0]};
     full.insert(full.end(), command.begin() + 1, command.end());
     const Result result = run(inputs.folder, full);
     CHECK(result.code == 1);

@@ -14,13 +14,13 @@ using namespace scanlock::test;
 
 namespace {
 
-constexpr int kScans = 12;
+constexpr int kDrivenScans = 12;
 constexpr const char* kConfig = "[input]\nprior_odometry_channel = \"WHEELS\"\nattitude_channel = \"IMU\"\n";
 
 /// The drive with wheel odometry and an inertial sensor at 50 Hz, their stamps `shift` microseconds off.
 std::vector<Event> drive_with_priors(std::int64_t shift) {
   std::vector<Event> events;
-  for (int i = 0; i < kScans; ++i) {
+  for (int i = 0; i < kDrivenScans; ++i) {
     for (int k = 0; k < 5; ++k) {
       const std::int64_t utime = utime_of(i) - 80000 + 20000 * k;
       bot_core::pose_t wheels{};
@@ -75,7 +75,7 @@ TEST_CASE("a replay with priors gives the same bytes twice and has nothing to co
   CHECK(first.code == 0);
   CHECK(complaints(first) == "");
   CHECK(read_file(folder / "first.lcmlog") == read_file(folder / "second.lcmlog"));
-  CHECK(worst_error(poses_in(read_log(folder / "first.lcmlog"), "POSE_BODY_CORRECTED"), kScans) < 0.3);
+  CHECK(worst_error(poses_in(read_log(folder / "first.lcmlog"), "POSE_BODY_CORRECTED"), kDrivenScans) < 0.3);
 }
 
 TEST_CASE("priors on another clock are reported and the poses are as without them") {

@@ -23,8 +23,7 @@ std::string resolved(const std::string& program) {
   return access(ours.c_str(), X_OK) == 0 ? ours : program;
 }
 
-[[noreturn]] void become(const std::vector<std::string>& command, const std::string& output,
-                         const std::string& errors) {
+[[noreturn]] void become(const CommandLine& command, const std::string& output, const std::string& errors) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that is killed leaves nothing behind
   const int out = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   const int err = open(errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
@@ -50,7 +49,7 @@ TemporaryFolder::~TemporaryFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-Process::Process(const TemporaryFolder& folder, const std::vector<std::string>& command) {
+Process::Process(const TemporaryFolder& folder, const CommandLine& command) {
   static int count = 0;
   output_path_ = folder / ("output" + std::to_string(++count));
   error_path_ = folder / ("errors" + std::to_string(count));
@@ -91,7 +90,13 @@ std::string Process::errors() const {
   return read_file(error_path_);
 }
 
-Result run(const TemporaryFolder& folder, const std::vector<std::string>& command) {
+std::string joined(const CommandLine& command) {
+  std::string text;
+  for (const std::string& word : command) text += word + " ";
+  return text;
+}
+
+Result run(const TemporaryFolder& folder, const CommandLine& command) {
   Process process(folder, command);
   const auto code = process.wait(std::chrono::seconds(30));
   return {code.value_or(-1), process.output(), process.errors()};

@@ -24,11 +24,15 @@ class TemporaryFolder {
   std::string path_;
 };
 
+/// A program and its arguments.
+using CommandLine = std::vector<std::string>;
+std::string joined(const CommandLine& command);
+
 /// A running program; killed when the test forgets it. Its two outputs are kept.
 class Process {
  public:
   /// The first of `command` is a path, a program of ours by its bare name, or one on the PATH.
-  Process(const TemporaryFolder& folder, const std::vector<std::string>& command);
+  Process(const TemporaryFolder& folder, const CommandLine& command);
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
@@ -50,7 +54,7 @@ struct Result {
   int code = -1;
   std::string output, errors;
 };
-Result run(const TemporaryFolder& folder, const std::vector<std::string>& command);
+Result run(const TemporaryFolder& folder, const CommandLine& command);
 
 std::string read_file(const std::string& path);
 void write_file(const std::string& path, const std::string& text);

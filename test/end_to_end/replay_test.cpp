@@ -11,6 +11,7 @@
 #include <scanlock/odometry_t.hpp>
 #include <scanlock/status_t.hpp>
 
+#include "../contains.hpp"
 #include "io/log_poses.hpp"
 #include "process.hpp"
 #include "synthetic.hpp"
@@ -21,10 +22,6 @@ namespace {
 
 constexpr int kScans = 30;
 constexpr std::int64_t kSecond = 1000000;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// Scan i of the drive as an event, stamped with `utime`; the event's own time is the true one.
 Event scan_event(int i, std::int64_t utime) {
@@ -44,13 +41,6 @@ struct Outcome {
   std::vector<scanlock::odometry_t> odometry;
   scanlock::status_t status{};  // the last one
 };
-
-template <typename Message>
-Message decoded(const Event& event) {
-  Message message{};
-  CHECK(message.decode(event.data.data(), 0, static_cast<int>(event.data.size())) > 0);
-  return message;
-}
 
 Outcome replay(const std::vector<Event>& events, const std::string& config = "") {
   const TemporaryFolder folder;

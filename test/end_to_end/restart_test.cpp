@@ -8,6 +8,7 @@
 #include <scanlock/command_t.hpp>
 #include <thread>
 
+#include "../contains.hpp"
 #include "daemon/map_file.hpp"
 #include "listener.hpp"
 #include "messages/encode_scan.hpp"
@@ -57,10 +58,6 @@ std::vector<std::uint8_t> save_command(const std::string& path) {
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
   message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
   return bytes;
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 double metres_off(const scanlock::odometry_t& message, const Pose& truth) {

@@ -15,11 +15,11 @@ namespace {
 
 /// tools/run_tests over a folder with one test program, a script that claims `count` test cases and then does
 /// `body`.
-struct Outcome {
+struct RunnerOutcome {
   int code = -1;
   std::string results;
 };
-Outcome outcome_of(int count, const std::string& body) {
+RunnerOutcome outcome_of(int count, const std::string& body) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "test");
   write_file(folder / "test/test_io",
@@ -37,35 +37,35 @@ Outcome outcome_of(int count, const std::string& body) {
 }  // namespace
 
 TEST_CASE("the runner of tests tells what passed, failed and was skipped") {
-  const Outcome good = outcome_of(2,
-                                  "record begun a; record passed 0.1 a\n"
-                                  "record begun b; record skipped 0.1 b: no network\n");
+  const RunnerOutcome good = outcome_of(2,
+                                        "record begun a; record passed 0.1 a\n"
+                                        "record begun b; record skipped 0.1 b: no network\n");
   CHECK(good.code == 0);
   CHECK(good.results == "passed\nskipped test_io: b: no network\n");
-  const Outcome bad = outcome_of(2,
-                                 "record begun a; record failed 0.1 a\n"
-                                 "record begun b; record passed 0.1 b\nexit 1\n");
+  const RunnerOutcome bad = outcome_of(2,
+                                       "record begun a; record failed 0.1 a\n"
+                                       "record begun b; record passed 0.1 b\nexit 1\n");
   CHECK(bad.code == 1);
   CHECK(bad.results == "passed\nfailed test_io: a\n");
 }
 
 TEST_CASE("the runner of tests counts a crash and what did not run behind it as failed") {
-  const Outcome crashed = outcome_of(3,
-                                     "record begun a; record passed 0.1 a\n"
-                                     "record begun b\nexit 134\n");
+  const RunnerOutcome crashed = outcome_of(3,
+                                           "record begun a; record passed 0.1 a\n"
+                                           "record begun b\nexit 134\n");
   CHECK(crashed.code == 1);
   CHECK(crashed.results ==
         "passed\nfailed test_io: b (ended with 134)\nfailed test_io: a test case behind it did not run\n");
-  const Outcome leaked = outcome_of(1, "record begun a; record passed 0.1 a\nexit 23\n");
+  const RunnerOutcome leaked = outcome_of(1, "record begun a; record passed 0.1 a\nexit 23\n");
   CHECK(leaked.code == 1);
   CHECK(leaked.results == "failed test_io: after its last test case (ended with 23)\n");
 }
 
 TEST_CASE("the runner of tests fails where no test case ran") {
-  const Outcome silent = outcome_of(1, "");
+  const RunnerOutcome silent = outcome_of(1, "");
   CHECK(silent.code == 1);
   CHECK(silent.results == "failed test_io: a test case behind it did not run\n");
-  const Outcome empty = outcome_of(0, "");
+  const RunnerOutcome empty = outcome_of(0, "");
   CHECK(empty.code == 1);
   CHECK(empty.results == "failed test_io: 0 of 0 test cases ran\n");
 }

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "../contains.hpp"
 #include "daemon/map_file.hpp"
 #include "io/cloud_file.hpp"
 #include "io/trajectory.hpp"
@@ -13,10 +14,6 @@ using namespace scanlock;
 using namespace scanlock::test;
 
 namespace {
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// Greatest distance of poses to those of the same stamps, metres; of the last `count`.
 double farthest(const Trajectory& some, const Trajectory& others, std::size_t count) {

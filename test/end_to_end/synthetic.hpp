@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <doctest/doctest.h>
+
 #include <bot_core/pointcloud2_t.hpp>
 #include <cstdint>
 #include <map>
@@ -37,6 +39,12 @@ struct Event {
   std::string channel;
   std::vector<std::uint8_t> data;
 };
+template <typename Message>
+Message decoded(const Event& event) {
+  Message message{};
+  REQUIRE(message.decode(event.data.data(), 0, static_cast<int>(event.data.size())) > 0);
+  return message;
+}
 void write_log(const std::string& path, const std::vector<Event>& events);
 std::vector<Event> read_log(const std::string& path);
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "../contains.hpp"
 #include "align_samples.hpp"
 #include "io/cloud_file.hpp"
 #include "io/trajectory.hpp"
@@ -19,18 +20,6 @@ using namespace scanlock::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-using Command = std::vector<std::string>;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-std::string joined(const Command& command) {
-  std::string text;
-  for (const std::string& word : command) text += word + " ";
-  return text;
-}
 
 const char* const kPrograms[] = {"scanlock-align",    "scanlock-command",  "scanlock-convert",
                                  "scanlock-evaluate", "scanlock-simulate", "scanlock-odometry",
@@ -59,7 +48,7 @@ TEST_CASE("every program tells its help and version on standard output") {
 TEST_CASE("wrong usage is exit 2 and one line that names the program and what was probably meant") {
   const TemporaryFolder folder;
   struct Wrong {
-    Command command;
+    CommandLine command;
     std::string words;
   };
   const Wrong cases[] = {
@@ -146,7 +135,7 @@ TEST_CASE("a file that cannot be read is exit 1 and one line that names it") {
   REQUIRE(run(folder, {"scanlock-simulate", "--world", "field", "--seconds", "0.3", log}).code == 0);
   // IN stands for the file. No output must come of it.
   const std::string out = folder / "out";
-  const std::pair<Command, std::string> cases[] = {
+  const std::pair<CommandLine, std::string> cases[] = {
       {{"scanlock-align", "IN", cloud, "--output", out + ".ply"}, ".ply"},
       {{"scanlock-align", "IN", cloud, "--method", "icp"}, ".pcd"},
       {{"scanlock-align", cloud, "IN", "--method", "4dof"}, ".bin"},
@@ -179,7 +168,7 @@ TEST_CASE("a file that cannot be read is exit 1 and one line that names it") {
         for (char& byte : bytes) byte = static_cast<char>(random());
         write_file(file, bytes);
       }
-      Command command = words;
+      CommandLine command = words;
       for (std::string& word : command) {
         const std::size_t at = word.find("IN");
         if (at != std::string::npos) word.replace(at, 2, file);

@@ -15,18 +15,18 @@ Pose exp6(double x, double y, double z, double rx, double ry, double rz) {
 }
 
 const Pose kElsewhere = exp6(30, -20, 2, 0.02, -0.01, 2.0);  // map frame of the estimate in that of the truth
-constexpr double kStart = 1.6e9;
+constexpr double kTruthStart = 1.6e9;
 
 /// A truth at 10 Hz and 30 m/s along a bend, kidnapped by 8 m and 120 degrees at 5 s; 15 s long.
-struct Drive {
+struct KidnappedDrive {
   Trajectory truth, estimate;
   std::vector<StampedState> states;
   PosePairs pairs() const { return match_by_time(estimate, truth); }
 };
 
 /// The estimate knows nothing of the kidnap until `back` seconds after it, and says so after 0.2 s.
-Drive kidnapped_drive(double back, const Pose& where_to = Pose::Identity()) {
-  Drive drive;
+KidnappedDrive kidnapped_drive(double back, const Pose& where_to = Pose::Identity()) {
+  KidnappedDrive drive;
   Pose truth = exp6(5, 5, 0, 0, 0, 0.3), believed = truth;
   for (int i = 0; i < 150; ++i) {
     const double since = 0.1 * (i - 50);
@@ -38,7 +38,7 @@ Drive kidnapped_drive(double back, const Pose& where_to = Pose::Identity()) {
     const bool home = i < 50 || since > back - 1e-6;
     TrackingState state = home || since < 0.15 ? TrackingState::kTracking : TrackingState::kLost;
     if (i == 0) state = TrackingState::kInitialising;
-    const double time = kStart + 0.1 * i;
+    const double time = kTruthStart + 0.1 * i;
     drive.truth.push_back({time, truth});
     const Pose estimate = i < 50 ? truth : home ? truth * where_to : believed;
     drive.estimate.push_back({time, kElsewhere.inverse() * estimate});
@@ -47,7 +47,7 @@ Drive kidnapped_drive(double back, const Pose& where_to = Pose::Identity()) {
   return drive;
 }
 
-KidnapReport examine(const Drive& drive) {
+KidnapReport examine(const KidnappedDrive& drive) {
   return examine_kidnaps(drive.truth, drive.pairs(), drive.states, Overlay::kSe3);
 }
 
@@ -68,7 +68,7 @@ TEST_CASE("a kidnap is found by its place or by its turn alone") {
   const auto kidnaps = find_kidnaps(kidnapped_drive(1).truth);
   REQUIRE(kidnaps.size() == 1);
   CHECK(kidnaps[0].index == 50);
-  CHECK(kidnaps[0].time_s == doctest::Approx(kStart + 5));
+  CHECK(kidnaps[0].time_s == doctest::Approx(kTruthStart + 5));
   CHECK(kidnaps[0].jump_deg == doctest::Approx(2.1 * 57.29578).epsilon(0.01));
   Trajectory turned;
   for (int i = 0; i < 20; ++i) turned.push_back({0.1 * i, exp6(0, 0, 0, 0, 0, i < 10 ? 0.0 : 3.0)});
@@ -103,7 +103,7 @@ TEST_CASE("never back is no number") {
 }
 
 TEST_CASE("a glimpse of the right place is not enough") {
-  Drive drive = kidnapped_drive(1.3);
+  KidnappedDrive drive = kidnapped_drive(1.3);
   for (int i = 66; i < 80; ++i) drive.states[static_cast<std::size_t>(i)].state = TrackingState::kLost;
   const KidnapReport report = examine(drive);
   REQUIRE(report.kidnaps[0].recovery_s);
@@ -118,7 +118,7 @@ TEST_CASE("a claim to track elsewhere is one wrong jump") {
 
 TEST_CASE("to go on in a new map is no wrong claim, unless it is the old epoch or a jump") {
   const auto drive_on = [](std::uint32_t epoch, double jump_m) {
-    Drive drive = kidnapped_drive(100);
+    KidnappedDrive drive = kidnapped_drive(100);
     for (std::size_t i = 100; i < drive.states.size(); ++i) {
       drive.states[i].state = TrackingState::kTracking;
       drive.states[i].epoch = epoch;
@@ -132,20 +132,20 @@ TEST_CASE("to go on in a new map is no wrong claim, unless it is the old epoch o
 }
 
 TEST_CASE("a kidnap that is not noticed is a wrong claim") {
-  Drive drive = kidnapped_drive(100);
+  KidnappedDrive drive = kidnapped_drive(100);
   for (StampedState& state : drive.states) state.state = TrackingState::kTracking;
   CHECK(examine(drive).wrong_jumps == 1);
 }
 
 TEST_CASE("a kidnap after which it hesitates and goes on is a wrong claim") {
-  Drive drive = kidnapped_drive(100);
+  KidnappedDrive drive = kidnapped_drive(100);
   for (std::size_t i = 0; i < drive.states.size(); ++i)
     drive.states[i].state = i == 50 || i == 51 ? TrackingState::kDegraded : TrackingState::kTracking;
   CHECK(examine(drive).wrong_jumps == 1);
 }
 
 TEST_CASE("what drifts before the kidnap and says so does not shift what was right") {
-  Drive drive = kidnapped_drive(1.0);
+  KidnappedDrive drive = kidnapped_drive(1.0);
   for (std::size_t i = 20; i < 50; ++i) {
     drive.states[i].state = TrackingState::kDegraded;
     drive.estimate[i].pose.translation().x() += static_cast<double>(i - 20);
@@ -158,7 +158,7 @@ TEST_CASE("what drifts before the kidnap and says so does not shift what was rig
 }
 
 TEST_CASE("a later start is no excuse for a wrong place") {
-  Drive drive = kidnapped_drive(1);
+  KidnappedDrive drive = kidnapped_drive(1);
   for (std::size_t i = 30; i < 40; ++i)
     drive.estimate[i].pose = drive.estimate[i].pose * exp6(0, 5, 0, 0, 0, 0);
   drive.states[30].state = TrackingState::kInitialising;
@@ -166,7 +166,7 @@ TEST_CASE("a later start is no excuse for a wrong place") {
 }
 
 TEST_CASE("a start that drifts is no wrong jump, wherever the rest of the drive lays it") {
-  Drive drive = kidnapped_drive(1);
+  KidnappedDrive drive = kidnapped_drive(1);
   for (std::size_t i = 0; i < 20; ++i)  // 4 m in two seconds
     drive.estimate[i].pose =
         drive.estimate[i].pose * exp6(0, 0.2 * (20 - static_cast<double>(i)), 0, 0, 0, 0);
@@ -176,7 +176,7 @@ TEST_CASE("a start that drifts is no wrong jump, wherever the rest of the drive 
 }
 
 TEST_CASE("drift is no wrong jump and unknown states are said to be unknown") {
-  Drive drive = kidnapped_drive(1.3);
+  KidnappedDrive drive = kidnapped_drive(1.3);
   for (std::size_t i = 80; i < 150; ++i)
     drive.estimate[i].pose.translation().z() += 0.1 * static_cast<double>(i - 80);
   CHECK(examine(drive).wrong_jumps == 0);

@@ -8,10 +8,10 @@
 #include <random>
 #include <stdexcept>
 
+#include "geometry/angles.hpp"
+
 namespace scanlock {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Pose at(double x, double y, double z, double yaw = 0) {
   Pose pose = Pose::Identity();

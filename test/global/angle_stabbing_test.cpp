@@ -7,10 +7,10 @@
 #include <cmath>
 #include <random>
 
+#include "geometry/angles.hpp"
+
 namespace scanlock {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// The same as reach_of(), by the chord: |R(theta) p - q|.
 double distance_at(double p_length, double p_azimuth, double q_length, double q_azimuth, double theta) {

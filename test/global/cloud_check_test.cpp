@@ -9,15 +9,15 @@
 namespace scanlock {
 namespace {
 
-constexpr float kVoxel = 0.2f;
+constexpr float kSpacing = 0.2f;
 
 /// Upright, from one corner to the other, 2.4 m high about the height of the sensor, which stands at `eye`.
 void add_wall(const Eigen::Vector2f& from, const Eigen::Vector2f& to, const Eigen::Vector3f& eye,
               PointCloud* cloud) {
-  const int steps = static_cast<int>((to - from).norm() / kVoxel);
+  const int steps = static_cast<int>((to - from).norm() / kSpacing);
   for (int k = 0; k <= steps; ++k) {
     const Eigen::Vector2f p = from + (to - from) * (static_cast<float>(k) / static_cast<float>(steps));
-    for (float z = -1.2f; z < 1.3f; z += kVoxel) {
+    for (float z = -1.2f; z < 1.3f; z += kSpacing) {
       cloud->push_back(p.x(), p.y(), z);
       cloud->eyes.push_back(eye);
     }
@@ -44,9 +44,9 @@ PointCloud room(const Eigen::Vector3f& eye) {
 }
 
 CloudFit fit(PointCloud source, PointCloud target) {
-  add_normals(&source, 2.5f * kVoxel);
-  add_normals(&target, 2.5f * kVoxel);
-  const CloudCheck s(source, static_cast<double>(kVoxel)), t(target, static_cast<double>(kVoxel));
+  add_normals(&source, 2.5f * kSpacing);
+  add_normals(&target, 2.5f * kSpacing);
+  const CloudCheck s(source, static_cast<double>(kSpacing)), t(target, static_cast<double>(kSpacing));
   return compare(s, t, Pose::Identity());
 }
 
@@ -77,9 +77,9 @@ TEST_CASE("what its own cloud saw through has moved, and contradicts nothing") {
 TEST_CASE("a glance sees about what a comparison sees") {
   const Eigen::Vector3f left(-2, 0, 0), right(2, 0, 0);
   PointCloud source = room(left), target = room(right);
-  add_normals(&source, 2.5f * kVoxel);
-  add_normals(&target, 2.5f * kVoxel);
-  const CloudCheck s(source, static_cast<double>(kVoxel)), t(target, static_cast<double>(kVoxel));
+  add_normals(&source, 2.5f * kSpacing);
+  add_normals(&target, 2.5f * kSpacing);
+  const CloudCheck s(source, static_cast<double>(kSpacing)), t(target, static_cast<double>(kSpacing));
   CHECK(glance(s, t, Pose::Identity(), 200).overlap > 0.95);
   CHECK(glance(s, t, Pose::Identity(), 200).contradiction == 0);
   Pose turned = Pose::Identity();

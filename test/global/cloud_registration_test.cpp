@@ -8,6 +8,7 @@
 #include <string>
 
 #include "geometry/angles.hpp"
+#include "match_samples.hpp"
 #include "scenes.hpp"
 
 using namespace scanlock;
@@ -16,10 +17,6 @@ namespace {
 
 CloudRegistration registered(const PointCloud& source, const PointCloud& target) {
   return register_raw_clouds(source, target, Eigen::Vector3d::UnitZ(), {}, {});
-}
-
-double angle_between(const Pose& a, const Pose& b) {
-  return so3_log(a.linear().transpose() * b.linear()).norm();
 }
 
 /// A tube of a square section along x, the same everywhere: every shift fits.

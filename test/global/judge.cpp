@@ -6,6 +6,8 @@
 #include <cmath>
 #include <queue>
 
+#include "geometry/angles.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -103,7 +105,6 @@ int judged_consensus(const Matches& matches, double epsilon) {
   const double narrow = epsilon * (1 + 0.5e-9), wide = epsilon * (1 + 1e-9);
   double reach = 0;
   for (const Match& m : matches) reach = std::max(reach, m.p.head<2>().norm());
-  constexpr double kPi = 3.14159265358979323846;
   const int pieces = std::max(1, static_cast<int>(std::ceil(2 * kPi * reach / epsilon)));
   int best = 0;
   std::priority_queue<Interval> open;

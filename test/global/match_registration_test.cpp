@@ -16,10 +16,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-double angle_between(const Pose& a, const Pose& b) {
-  return so3_log(a.linear().transpose() * b.linear()).norm();
-}
-
 TEST_CASE("A planted pose among many outliers") {
   MatchSampler sample(1);
   const Pose truth = sample.pose(10);

@@ -7,8 +7,14 @@
 #include <random>
 
 #include "geometry/match.hpp"
+#include "geometry/rigid.hpp"
 
 namespace scanlock {
+
+/// Radians.
+inline double angle_between(const Pose& a, const Pose& b) {
+  return so3_log(a.linear().transpose() * b.linear()).norm();
+}
 
 /// Random match sets about a planted pose.
 class MatchSampler {

@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 
+#include "geometry/angles.hpp"
 #include "geometry/voxel_grid.hpp"
 #include "global/cloud_normals.hpp"
 #include "global/descriptor_matching.hpp"
@@ -21,8 +22,6 @@
 using namespace scanlock;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 PointCloud small_scene() {
   const PointCloud cloud = yard(3, 5);

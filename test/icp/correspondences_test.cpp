@@ -8,19 +8,13 @@
 #include <random>
 #include <vector>
 
+#include "cloud_samples.hpp"
 #include "geometry/rigid.hpp"
 
 using namespace scanlock;
+using scanlock::test::Random;
 
 namespace {
-
-struct Random {
-  std::mt19937 engine;
-  std::normal_distribution<double> normal;
-  explicit Random(unsigned seed) : engine(seed) {}
-  double number() { return normal(engine); }
-  Eigen::Vector3d vector() { return {number(), number(), number()}; }
-};
 
 /// Points on a few walls, some twice.
 PointCloud walls(Random& random, std::size_t n) {

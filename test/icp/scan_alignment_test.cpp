@@ -10,11 +10,10 @@
 #include <random>
 
 #include "../odometry/room.hpp"
+#include "geometry/angles.hpp"
 
 namespace scanlock {
 namespace {
-
-constexpr double kDegree = 3.14159265358979 / 180.0;
 
 struct Hall {
   PointCloud cloud;

@@ -9,6 +9,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "../contains.hpp"
 #include "cloud_samples.hpp"
 
 namespace scanlock {
@@ -50,10 +51,6 @@ std::string message_of(const std::string& path) {
     return error.what();
   }
   return "no error";
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace

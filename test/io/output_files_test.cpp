@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "../contains.hpp"
 #include "temporary_directory.hpp"
 
 namespace scanlock {
@@ -23,10 +24,6 @@ std::string refusal(const RunFiles& files, bool force = false) {
     return error.what();
   }
   return "";
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 struct Folder : TemporaryDirectory {

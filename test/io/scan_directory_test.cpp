@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "../contains.hpp"
 #include "io/cloud_file.hpp"
 #include "temporary_directory.hpp"
 
@@ -30,10 +31,6 @@ std::string error_of(const std::string& path) {
     return error.what();
   }
   return "no error";
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace

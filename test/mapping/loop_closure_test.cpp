@@ -11,12 +11,6 @@
 namespace scanlock {
 namespace {
 
-Pose at(double x, double y, double heading) {
-  Pose pose = se3_exp(yaw(heading));
-  pose.translation() << x, y, 0;
-  return pose;
-}
-
 /// What is seen in the hall from `truth`, believed to be seen from `believed`.
 ArchivedKeyframe keyframe(std::uint32_t id, const Pose& truth, const Pose& believed) {
   PointCloud points = hall_scan(truth, Vector6::Zero(), 0, id).points;

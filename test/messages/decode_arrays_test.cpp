@@ -16,23 +16,11 @@
 #include "messages/encode_scan.hpp"
 #include "messages/generated_bytes.hpp"
 #include "sample_scan.hpp"
+#include "wire.hpp"
 
 using namespace scanlock;
 
 namespace {
-
-template <typename Message>
-DecodedScan decode(const Message& message, const DecodeLimits& limits = {}) {
-  const Bytes bytes = generated_bytes(message);
-  return decode_scan(bytes.data(), bytes.size(), limits);
-}
-
-template <typename Message>
-Message theirs(const Bytes& bytes) {
-  Message message{};
-  REQUIRE(message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) == static_cast<int>(bytes.size()));
-  return message;
-}
 
 mbot_lcm_msgs::lidar_t mbot_scan() {
   mbot_lcm_msgs::lidar_t message{};

@@ -13,6 +13,7 @@
 #include "messages/encode_scan.hpp"
 #include "messages/generated_bytes.hpp"
 #include "sample_scan.hpp"
+#include "wire.hpp"
 
 using namespace scanlock;
 
@@ -54,11 +55,6 @@ void add_field(bot_core::pointcloud2_t& message, const std::string& name, int of
   field.count = 1;
   message.fields.push_back(field);
   message.nfields = static_cast<std::int32_t>(message.fields.size());
-}
-
-DecodedScan decode(const bot_core::pointcloud2_t& message) {
-  const Bytes bytes = generated_bytes(message);
-  return decode_scan(bytes.data(), bytes.size());
 }
 
 /// Two good points, x y z float32 in 12 bytes.

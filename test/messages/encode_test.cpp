@@ -10,6 +10,7 @@
 
 #include "messages/decode_report.hpp"
 #include "sample_reports.hpp"
+#include "wire.hpp"
 
 using namespace scanlock;
 
@@ -20,13 +21,6 @@ std::string hex(const Bytes& bytes) {
   std::string text;
   for (const std::uint8_t byte : bytes) (text += kDigits[byte >> 4]) += kDigits[byte & 15];
   return text;
-}
-
-template <typename Message>
-Message theirs(const Bytes& bytes) {
-  Message message{};
-  REQUIRE(message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) == static_cast<int>(bytes.size()));
-  return message;
 }
 
 }  // namespace

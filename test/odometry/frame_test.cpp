@@ -3,19 +3,12 @@
 #include <doctest/doctest.h>
 
 #include "framed_tracker.hpp"
+#include "geometry/angles.hpp"
 #include "room.hpp"
 
 using namespace scanlock;
 
 namespace {
-
-constexpr double kDegree = 3.14159265358979 / 180.0;
-
-Pose at(double x, double y, double heading) {
-  Pose pose = se3_exp(yaw(heading));
-  pose.translation() << x, y, 0;
-  return pose;
-}
 
 /// A second of a drive, then another one after a kidnap: what one tracker makes of it.
 std::vector<TrackedScan> followed(const Frame& frame) {

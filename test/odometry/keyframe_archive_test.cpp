@@ -19,7 +19,7 @@ PointCloud ring(std::size_t n, float radius) {
   return cloud;
 }
 
-Pose at(double x, double y) {
+Pose shifted(double x, double y) {
   Pose pose = Pose::Identity();
   pose.translation() << x, y, 0;
   return pose;
@@ -30,7 +30,7 @@ Pose at(double x, double y) {
 TEST_CASE("the archive wants a place only where it has none") {
   KeyframeArchive archive(1000000);
   CHECK(archive.wants(2, {0, 0, 0}, 12));
-  archive.add(1, at(0, 0), 12, ring(500, 12));
+  archive.add(1, shifted(0, 0), 12, ring(500, 12));
   CHECK_FALSE(archive.wants(2, {1.9, 0, 0}, 12));
   CHECK(archive.wants(2, {2.1, 0, 0}, 12));
   CHECK(archive.wants(2, {1.9, 0, 0}, 6));
@@ -39,13 +39,13 @@ TEST_CASE("the archive wants a place only where it has none") {
 TEST_CASE("a keyframe that is renewed becomes the newer one, and keeps its id and how the body stood") {
   constexpr std::int64_t kSecond = 1000000;
   KeyframeArchive archive(1000000);
-  for (int i = 0; i < 10; ++i) archive.add(i * kSecond, at(2.5 * i, 0), 12, ring(500, 12));
+  for (int i = 0; i < 10; ++i) archive.add(i * kSecond, shifted(2.5 * i, 0), 12, ring(500, 12));
   CHECK_FALSE(archive.wants(30 * kSecond, {0, 0.5, 0}, 12));
   CHECK(archive.wants(100 * kSecond, {0, 0.5, 0}, 12));
-  Pose tilted = at(5, 0.4);
+  Pose tilted = shifted(5, 0.4);
   tilted.linear() = so3_exp(Eigen::Vector3d(0.1, 0, 0));
-  archive.note_stand(at(5, 0));
-  archive.add(100 * kSecond, at(5, 0.5), 12, ring(400, 12));
+  archive.note_stand(shifted(5, 0));
+  archive.add(100 * kSecond, shifted(5, 0.5), 12, ring(400, 12));
   archive.note_stand(tilted);
   archive.renew(3, 11);
   CHECK(archive.keyframes().size() == 10);
@@ -60,7 +60,7 @@ TEST_CASE("a keyframe that is renewed becomes the newer one, and keeps its id an
 TEST_CASE("a place is thinned and the oldest places give way to the cap") {
   KeyframeArchive archive(3001);
   for (int i = 0; i < 5; ++i) {
-    archive.add(i, at(10 * i, 0), 20, ring(50000, 20));
+    archive.add(i, shifted(10 * i, 0), 20, ring(50000, 20));
     CHECK(archive.keyframes().back().points->size() <= 3000);
     CHECK(archive.keyframes().back().points->size() > 300);
     CHECK(archive.points() <= 3001);
@@ -78,8 +78,9 @@ TEST_CASE("a place is thinned and the oldest places give way to the cap") {
 TEST_CASE("keyframes are found by id and moved, with the ways in which the body stood there") {
   KeyframeArchive archive(1000000);
   for (int i = 0; i < 4; ++i) {
-    archive.add(i, at(10 * i, 0), 12, ring(500, 12), Constraint{static_cast<std::uint32_t>(i), 0, at(i, 0)});
-    archive.note_stand(at(10 * i, 0));
+    archive.add(i, shifted(10 * i, 0), 12, ring(500, 12),
+                Constraint{static_cast<std::uint32_t>(i), 0, shifted(i, 0)});
+    archive.note_stand(shifted(10 * i, 0));
   }
   CHECK(archive.nearest({21, 3, 0}).id == 3);
   REQUIRE(archive.find(4) != nullptr);
@@ -87,11 +88,11 @@ TEST_CASE("keyframes are found by id and moved, with the ways in which the body 
   CHECK(archive.find(4)->tie->from_to.translation().x() == 3);
   CHECK(archive.find(0) == nullptr);
   CHECK(archive.find(5) == nullptr);
-  Pose there = at(7, 7);
+  Pose there = shifted(7, 7);
   there.linear() = so3_exp(Eigen::Vector3d(0.1, 0, 0));
-  archive.move({{2, there}, {9, at(0, 0)}});
+  archive.move({{2, there}, {9, shifted(0, 0)}});
   CHECK(archive.find(2)->map_from_body.matrix() == there.matrix());
-  CHECK(archive.find(1)->map_from_body.matrix() == at(0, 0).matrix());
+  CHECK(archive.find(1)->map_from_body.matrix() == shifted(0, 0).matrix());
   CHECK(archive.find(2)->stands[0].dot(there.linear().col(2).cast<float>()) == doctest::Approx(1));
 }
 
@@ -99,11 +100,11 @@ TEST_CASE("a submap joins the places around a centre in the axes of the map") {
   KeyframeArchive archive(1000000);
   PointCloud one;
   one.push_back(1, 0, 0.5f);
-  Pose turned = at(100, 50);
+  Pose turned = shifted(100, 50);
   turned.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // 90 degrees
   archive.add(1, turned, 5, one);
-  archive.add(2, at(103, 50), 5, one);
-  archive.add(3, at(400, 50), 5, one);
+  archive.add(2, shifted(103, 50), 5, one);
+  archive.add(3, shifted(400, 50), 5, one);
   const PointCloud submap = submap_around(archive.keyframes(), {100, 50, 0}, 10, 0.2);
   REQUIRE(submap.size() == 2);  // in no order that matters
   const std::size_t first = submap.x[0] < 2 ? 0 : 1;
@@ -114,14 +115,14 @@ TEST_CASE("a submap joins the places around a centre in the axes of the map") {
 
 TEST_CASE("the ways in which the body stood are kept with the nearest place a few degrees apart") {
   const auto tilted = [](double x, double radians) {
-    Pose pose = at(x, 0);
+    Pose pose = shifted(x, 0);
     pose.linear() = so3_exp(Eigen::Vector3d(radians, 0, 0));
     return pose;
   };
   KeyframeArchive archive(1000000);
   archive.note_stand(tilted(0, 0.2));  // nowhere yet
-  archive.add(1, at(0, 0), 12, ring(500, 12));
-  archive.add(2, at(50, 0), 12, ring(500, 12));
+  archive.add(1, shifted(0, 0), 12, ring(500, 12));
+  archive.add(2, shifted(50, 0), 12, ring(500, 12));
   for (int i = 0; i <= 20; ++i) archive.note_stand(tilted(1, 0.011 * i));
   archive.note_stand(tilted(49, 0.5));
   const std::vector<Eigen::Vector3d> near = stands_around(archive.keyframes(), {0, 0, 0}, 20);

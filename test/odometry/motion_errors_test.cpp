@@ -28,13 +28,13 @@ struct Random {
 };
 
 /// A robot that moves straight on, and now and then does `share` of what the filter allows it to do.
-struct Drive {
+struct FilteredDrive {
   MotionFilter filter{kAcceleration, 10.0};
   MotionErrors errors;
   MovingPose truth;
   Random random;
 
-  explicit Drive(unsigned seed, double turn_rate = 0.1) {
+  explicit FilteredDrive(unsigned seed, double turn_rate = 0.1) {
     random.engine.seed(seed);
     truth.twist << 2, 0, 0, 0, 0, turn_rate;
     filter.start({truth.pose, truth.twist});
@@ -94,7 +94,7 @@ double normalised_error(double assumed, double share) {
   const int drives = 120, scans = 60;
   int count = 0;
   for (int d = 0; d < drives; ++d) {
-    Drive drive(static_cast<unsigned>(d + 1));
+    FilteredDrive drive(static_cast<unsigned>(d + 1));
     for (int k = 0; k < scans; ++k) {
       drive.step(strong_data(), 1e-3, assumed, share);
       if (k < 40) continue;
@@ -129,7 +129,7 @@ TEST_CASE("what nothing holds is known less and less") {
   data.row(6).setZero();
   data.col(6).setZero();
   data(0, 0) = data(6, 6) = 1e-9;
-  Drive drive(3, 0.0);  // what turns is held by what it sees beside it, in the end
+  FilteredDrive drive(3, 0.0);  // what turns is held by what it sees beside it, in the end
   for (int k = 0; k < 5; ++k) drive.step(strong_data(), 1e-3, 1e-3, 0.1);
   const double known = drive.errors.covariance()(0, 0);
   double last = known;
@@ -143,7 +143,7 @@ TEST_CASE("what nothing holds is known less and less") {
 }
 
 TEST_CASE("an abrupt motion shows in the scan that sees it") {
-  Drive drive(4);
+  FilteredDrive drive(4);
   for (int k = 0; k < 50; ++k) drive.step(strong_data(), 1e-4, 3e-2, 0.001);
   const double calm = drive.errors.covariance()(1, 1);
   drive.truth.twist[1] += 2.0;

@@ -15,11 +15,11 @@ Pose exp6(double x, double y, double z, double rx, double ry, double rz) {
 }
 
 const Pose kMount = exp6(1.2, 0.3, 0.9, 0.2, -0.1, 1.5);
-const Pose kStep = exp6(0.8, 0, 0.01, 0.003, 0.01, 0.05);  // of the body, from scan to scan
-const Pose kStart = exp6(50, -20, 1, 0.02, 0.04, 2.5);     // of the body in its odometry
+const Pose kStep = exp6(0.8, 0, 0.01, 0.003, 0.01, 0.05);     // of the body, from scan to scan
+const Pose kBodyAtFirst = exp6(50, -20, 1, 0.02, 0.04, 2.5);  // of the body in its odometry
 
 Pose body_at(int scan) {
-  Pose pose = kStart;
+  Pose pose = kBodyAtFirst;
   for (int i = 0; i < scan; ++i) pose = pose * kStep;
   return pose;
 }
@@ -34,7 +34,7 @@ TrackedScan tracked_at(int scan) {
   tracked.utime = 100000 * scan;
   tracked.state = TrackingState::kTracking;
   tracked.method = PoseMethod::kIcp;
-  tracked.map_from_body = (kStart * kMount).inverse() * body_at(scan) * kMount;
+  tracked.map_from_body = (kBodyAtFirst * kMount).inverse() * body_at(scan) * kMount;
   return tracked;
 }
 

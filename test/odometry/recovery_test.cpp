@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "framed_tracker.hpp"
+#include "geometry/angles.hpp"
 #include "odometry/tracker.hpp"
 #include "room.hpp"
 
@@ -12,21 +13,12 @@ using namespace scanlock;
 
 namespace {
 
-constexpr double kDegree = 3.14159265358979 / 180.0;
-
-Pose at(double x, double y, double yaw) {
-  Pose pose = Pose::Identity();
-  pose.linear() = so3_exp(Eigen::Vector3d(0, 0, yaw));
-  pose.translation() << x, y, 0;
-  return pose;
-}
-
 std::int64_t utime(int i) {
   return 1000000 + 100000 * static_cast<std::int64_t>(i);
 }
 
 /// A sensor that drives a straight line of 1 m/s, is carried away at scan `kidnap`, and drives on there.
-struct Drive {
+struct KidnappedDrive {
   int kidnap;
   Pose there;
   int rays = 6000;
@@ -56,7 +48,7 @@ double error(const Pose& truth, const Pose& found) {
 
 TEST_CASE("a kidnapped robot comes back with a certificate and in the same frame") {
   const Frame frame = each_frame();
-  const Drive drive{60, at(-4, 1, 150 * kDegree)};
+  const KidnappedDrive drive{60, at(-4, 1, 150 * kDegree)};
   FramedTracker tracker(TrackerConfig{}, frame);
   PlaceFinder finder;
   int accepted = 0, back = -1;
@@ -86,7 +78,7 @@ TEST_CASE("a kidnapped robot comes back with a certificate and in the same frame
 TEST_CASE("what was seen while the robot was lost is part of the map once it is back" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
-  const Drive drive{60, at(7, 4, 170 * kDegree)};
+  const KidnappedDrive drive{60, at(7, 4, 170 * kDegree)};
   FramedTracker tracker(TrackerConfig{}, frame);
   PlaceFinder finder;
   bool back = false;
@@ -114,7 +106,7 @@ TEST_CASE("a sensor of few points recognises its place as soon") {
   const Frame frame = each_frame();
   for (const int rays : {300, 600}) {
     CAPTURE(rays);
-    const Drive drive{60, at(0, -1, 170 * kDegree), rays};
+    const KidnappedDrive drive{60, at(0, -1, 170 * kDegree), rays};
     FramedTracker tracker(TrackerConfig{}, frame);
     PlaceFinder finder;
     int back = -1;
@@ -131,7 +123,7 @@ TEST_CASE("a sensor of few points recognises its place as soon") {
 TEST_CASE("what one search finds is not believed before another one agrees unless it is clear" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
-  const Drive drive{40, at(-5, -1, 100 * kDegree)};
+  const KidnappedDrive drive{40, at(-5, -1, 100 * kDegree)};
   for (const bool clear : {false, true}) {
     CAPTURE(clear);
     FramedTracker tracker(TrackerConfig{}, frame);
@@ -156,7 +148,7 @@ TEST_CASE("what one search finds is not believed before another one agrees unles
 TEST_CASE("a robot that was blind is taken back on new ground where it was expected" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
-  const Drive drive{1000, Pose::Identity()};
+  const KidnappedDrive drive{1000, Pose::Identity()};
   for (const bool contradicted : {false, true}) {
     CAPTURE(contradicted);
     FramedTracker tracker(TrackerConfig{}, frame);
@@ -185,7 +177,7 @@ TEST_CASE("a robot that was blind is taken back on new ground where it was expec
 TEST_CASE("a kidnapped robot that sees much new ground is taken back when two searches agree" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
-  const Drive drive{25, at(0, -2, 100 * kDegree)};
+  const KidnappedDrive drive{25, at(0, -2, 100 * kDegree)};
   FramedTracker tracker(TrackerConfig{}, frame);
   PlaceFinder finder;
   int answers = 0, back = -1;
@@ -206,7 +198,7 @@ TEST_CASE("a kidnapped robot that sees much new ground is taken back when two se
 
 TEST_CASE("a planar sensor needs four finds that agree and show half of what is seen") {
   const Frame frame = each_frame();
-  const Drive drive{60, at(-5, 1, 20 * kDegree)};
+  const KidnappedDrive drive{60, at(-5, 1, 20 * kDegree)};
   for (const bool little : {false, true}) {
     CAPTURE(little);
     FramedTracker tracker(TrackerConfig{}, frame);
@@ -233,7 +225,7 @@ TEST_CASE("a planar sensor needs four finds that agree and show half of what is 
 TEST_CASE("what a finder remembers of other searches changes no answer" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
-  const Drive drive{40, at(-5, -1, 100 * kDegree)};
+  const KidnappedDrive drive{40, at(-5, -1, 100 * kDegree)};
   FramedTracker tracker(TrackerConfig{}, frame);
   std::optional<RecoveryRequest> request;
   for (int i = 0; i < 60 && !request; ++i) {
@@ -260,13 +252,13 @@ TEST_CASE("what a finder remembers of other searches changes no answer" *
 
 TEST_CASE("a saved map is found again by another run") {
   const Frame frame = each_frame();
-  const Drive drive{1000, Pose::Identity()};
+  const KidnappedDrive drive{1000, Pose::Identity()};
   FramedTracker first(TrackerConfig{}, frame);
   for (int i = 0; i < 60; ++i) first.track(drive.scan(i));
   FramedTracker second(TrackerConfig{}, frame);
   PlaceFinder finder;
   second.load(first.save());
-  const Drive later{0, at(-3, 1, 2.0)};
+  const KidnappedDrive later{0, at(-3, 1, 2.0)};
   TrackedScan tracked;
   for (int i = 0; i < 30; ++i) {
     tracked = step(second, finder, later.scan(i));
@@ -285,7 +277,7 @@ TEST_CASE("a saved map is found again by another run") {
 TEST_CASE("a robot that was carried onto a slope is found with an attitude sensor only" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
-  const Drive drive{
+  const KidnappedDrive drive{
       40, at(-4, 0, -150 * kDegree) * se3_exp((Vector6() << 0, 0, 0, 10 * kDegree, 0, 0).finished())};
   FramedTracker with(TrackerConfig{}, frame), without(TrackerConfig{}, frame);
   PlaceFinder finder_with, finder_without;
@@ -308,7 +300,7 @@ TEST_CASE("a robot that was carried onto a slope is found with an attitude senso
 TEST_CASE("recoveries are the same in every run and for every number of threads" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
-  const Drive drive{40, at(-5, -1, 100 * kDegree)};
+  const KidnappedDrive drive{40, at(-5, -1, 100 * kDegree)};
   TrackerConfig one, two;
   two.threads = 2;
   FramedTracker a(one, frame), b(two, frame);
@@ -323,7 +315,7 @@ TEST_CASE("recoveries are the same in every run and for every number of threads"
 
 TEST_CASE("an answer that comes too late is not used") {
   const Frame frame = each_frame();
-  const Drive drive{40, at(-5, -1, 100 * kDegree)};
+  const KidnappedDrive drive{40, at(-5, -1, 100 * kDegree)};
   FramedTracker tracker(TrackerConfig{}, frame);
   PlaceFinder finder;
   std::optional<RecoveryRequest> request;
@@ -342,10 +334,10 @@ TEST_CASE("an answer that comes too late is not used") {
 
 TEST_CASE("a pose that somebody sets is taken up in the same map") {
   const Frame frame = each_frame();
-  const Drive drive{1000, Pose::Identity()};
+  const KidnappedDrive drive{1000, Pose::Identity()};
   FramedTracker tracker(TrackerConfig{}, frame);
   for (int i = 0; i < 60; ++i) tracker.track(drive.scan(i));
-  const Drive carried{0, drive.pose(20)};
+  const KidnappedDrive carried{0, drive.pose(20)};
   const Pose truth = drive.pose(0).inverse() * carried.pose(60);
   tracker.set_pose(at(0.2, -0.2, 0.05) * truth);
   TrackedScan tracked;
@@ -357,7 +349,7 @@ TEST_CASE("a pose that somebody sets is taken up in the same map") {
 
 TEST_CASE("odometry that comes with the scans bridges what a velocity cannot") {
   const Frame frame = each_frame();
-  const Drive before{1000, Pose::Identity()};
+  const KidnappedDrive before{1000, Pose::Identity()};
   FramedTracker with(TrackerConfig{}, frame), without(TrackerConfig{}, frame);
   for (int i = 0; i < 20; ++i) {
     with.track(before.scan(i));

@@ -46,6 +46,13 @@ inline Vector6 yaw(double angle) {
   return xi;
 }
 
+/// Metres, radians.
+inline Pose at(double x, double y, double heading) {
+  Pose pose = se3_exp(yaw(heading));
+  pose.translation() << x, y, 0;
+  return pose;
+}
+
 inline Scan hall_scan(const Pose& pose, const Vector6& twist, std::int64_t utime, unsigned seed,
                       double sweep_s = 0.1, int rays = 6000) {
   std::mt19937 rng(seed);

@@ -11,20 +11,20 @@ using Verdict = ScanClock::Verdict;
 
 namespace {
 
-constexpr std::int64_t kSecond = 1000000, kStart = 1700000000 * kSecond;
+constexpr std::int64_t kSecond = 1000000, kFirstScan = 1700000000 * kSecond;
 
-Scan at(std::int64_t utime, bool by_arrival = false) {
+Scan scan_at(std::int64_t utime, bool by_arrival = false) {
   Scan scan;
   scan.utime = utime;
   scan.stamped_by_arrival = by_arrival;
   return scan;
 }
 
-/// A clock that has taken `scans` of 10 Hz from kStart on.
+/// A clock that has taken `scans` of 10 Hz from kFirstScan on.
 ScanClock running(int scans) {
   ScanClock clock;
   for (int i = 0; i < scans; ++i) {
-    const ScanClock::Reading reading = clock.read(at(kStart + i * kSecond / 10));
+    const ScanClock::Reading reading = clock.read(scan_at(kFirstScan + i * kSecond / 10));
     CHECK(reading.verdict == Verdict::kContinues);
     if (i > 0) CHECK(reading.elapsed_s == doctest::Approx(0.1));
   }
@@ -34,15 +34,15 @@ ScanClock running(int scans) {
 }  // namespace
 
 TEST_CASE("one stamp that is far off is rejected and the clock goes on") {
-  const std::int64_t last = kStart + 19 * kSecond / 10, next = last + kSecond / 10;
+  const std::int64_t last = kFirstScan + 19 * kSecond / 10, next = last + kSecond / 10;
   for (const std::int64_t off :
        {std::int64_t{0}, std::int64_t{1}, std::int64_t{1} << 62, last + 3600 * kSecond, last - 3 * kSecond,
         last + 4 * kSecond, -last, std::numeric_limits<std::int64_t>::min(),
         std::numeric_limits<std::int64_t>::max()}) {
     CAPTURE(off);
     ScanClock clock = running(20);
-    CHECK(clock.read(at(off)).verdict == Verdict::kOtherClock);
-    const ScanClock::Reading after = clock.read(at(next));
+    CHECK(clock.read(scan_at(off)).verdict == Verdict::kOtherClock);
+    const ScanClock::Reading after = clock.read(scan_at(next));
     CHECK(after.verdict == Verdict::kContinues);
     CHECK(after.elapsed_s == doctest::Approx(0.1));
     CHECK(after.most_elapsed_s == after.elapsed_s);
@@ -51,62 +51,63 @@ TEST_CASE("one stamp that is far off is rejected and the clock goes on") {
 
 TEST_CASE("a scan without a stamp among stamped ones is of another clock even where its arrival fits") {
   ScanClock clock = running(5);
-  CHECK(clock.read(at(kStart + kSecond / 2, true)).verdict == Verdict::kOtherClock);
-  CHECK(clock.read(at(kStart + 6 * kSecond / 10)).verdict == Verdict::kContinues);
+  CHECK(clock.read(scan_at(kFirstScan + kSecond / 2, true)).verdict == Verdict::kOtherClock);
+  CHECK(clock.read(scan_at(kFirstScan + 6 * kSecond / 10)).verdict == Verdict::kContinues);
 }
 
 TEST_CASE("three scans in a row that agree on another clock are a step") {
   for (const std::int64_t by :
-       {-kSecond / 2, -2 * kSecond, -kStart + kSecond, 5 * kSecond, 86400 * kSecond}) {
+       {-kSecond / 2, -2 * kSecond, -kFirstScan + kSecond, 5 * kSecond, 86400 * kSecond}) {
     CAPTURE(by);
     ScanClock clock = running(20);
-    const std::int64_t first = kStart + 2 * kSecond + by;
-    CHECK_FALSE(clock.accepts(clock.read(at(first)).verdict));
-    CHECK_FALSE(clock.accepts(clock.read(at(first + kSecond / 10)).verdict));
-    const ScanClock::Reading stepped = clock.read(at(first + 2 * kSecond / 10));
+    const std::int64_t first = kFirstScan + 2 * kSecond + by;
+    CHECK_FALSE(clock.accepts(clock.read(scan_at(first)).verdict));
+    CHECK_FALSE(clock.accepts(clock.read(scan_at(first + kSecond / 10)).verdict));
+    const ScanClock::Reading stepped = clock.read(scan_at(first + 2 * kSecond / 10));
     CHECK(stepped.verdict == Verdict::kStepped);
     CHECK(stepped.elapsed_s == doctest::Approx(0.3));
     CHECK(stepped.most_elapsed_s == kLongestGap);
-    CHECK(stepped.last_utime == kStart + 19 * kSecond / 10);
-    CHECK(clock.read(at(first + 3 * kSecond / 10)).verdict == Verdict::kContinues);
-    CHECK(clock.read(at(kStart + 21 * kSecond / 10)).verdict != Verdict::kStepped);
+    CHECK(stepped.last_utime == kFirstScan + 19 * kSecond / 10);
+    CHECK(clock.read(scan_at(first + 3 * kSecond / 10)).verdict == Verdict::kContinues);
+    CHECK(clock.read(scan_at(kFirstScan + 21 * kSecond / 10)).verdict != Verdict::kStepped);
   }
 }
 
 TEST_CASE("three stamps that do not agree with each other are no step") {
   ScanClock clock = running(20);
   for (const std::int64_t off : {5 * kSecond, 900 * kSecond, 7 * kSecond, 100 * kSecond})
-    CHECK(clock.read(at(kStart + off)).verdict == Verdict::kOtherClock);
-  CHECK(clock.read(at(kStart + 2 * kSecond)).verdict == Verdict::kContinues);
+    CHECK(clock.read(scan_at(kFirstScan + off)).verdict == Verdict::kOtherClock);
+  CHECK(clock.read(scan_at(kFirstScan + 2 * kSecond)).verdict == Verdict::kContinues);
 }
 
 TEST_CASE("late and repeated scans are told apart") {
   ScanClock clock = running(20);
-  CHECK(clock.read(at(kStart + 19 * kSecond / 10)).verdict == Verdict::kDuplicate);
-  CHECK(clock.read(at(kStart + 15 * kSecond / 10)).verdict == Verdict::kBackward);
-  CHECK(clock.read(at(kStart + 2 * kSecond)).verdict == Verdict::kContinues);
+  CHECK(clock.read(scan_at(kFirstScan + 19 * kSecond / 10)).verdict == Verdict::kDuplicate);
+  CHECK(clock.read(scan_at(kFirstScan + 15 * kSecond / 10)).verdict == Verdict::kBackward);
+  CHECK(clock.read(scan_at(kFirstScan + 2 * kSecond)).verdict == Verdict::kContinues);
 }
 
 TEST_CASE("a pause is a gap of known length up to three seconds and a step beyond") {
   ScanClock clock = running(20);
-  const ScanClock::Reading paused = clock.read(at(kStart + 49 * kSecond / 10));
+  const ScanClock::Reading paused = clock.read(scan_at(kFirstScan + 49 * kSecond / 10));
   CHECK(paused.verdict == Verdict::kContinues);
   CHECK(paused.elapsed_s == doctest::Approx(3.0));
-  CHECK(clock.read(at(kStart + 80 * kSecond / 10)).verdict == Verdict::kOtherClock);
+  CHECK(clock.read(scan_at(kFirstScan + 80 * kSecond / 10)).verdict == Verdict::kOtherClock);
 }
 
 TEST_CASE("a slow sensor may be slow") {
   ScanClock clock;
-  for (int i = 0; i < 5; ++i) CHECK(clock.read(at(kStart + 20 * i * kSecond)).verdict == Verdict::kContinues);
-  CHECK(clock.read(at(kStart + 160 * kSecond)).verdict == Verdict::kContinues);  // it missed three
+  for (int i = 0; i < 5; ++i)
+    CHECK(clock.read(scan_at(kFirstScan + 20 * i * kSecond)).verdict == Verdict::kContinues);
+  CHECK(clock.read(scan_at(kFirstScan + 160 * kSecond)).verdict == Verdict::kContinues);  // it missed three
 }
 
 TEST_CASE("a first stamp that was wrong gives way") {
   ScanClock clock;
-  clock.read(at(1));
+  clock.read(scan_at(1));
   int rejected = 0;
   for (int i = 0; i < 5; ++i)
-    rejected += clock.accepts(clock.read(at(kStart + i * kSecond / 10)).verdict) ? 0 : 1;
+    rejected += clock.accepts(clock.read(scan_at(kFirstScan + i * kSecond / 10)).verdict) ? 0 : 1;
   CHECK(rejected == 2);
 }
 
@@ -114,8 +115,8 @@ TEST_CASE("two clocks that interleave are found out and one of them is followed"
   ScanClock clock = running(5);
   int interleaved = 0;
   for (int i = 5; i < 30; ++i) {
-    CHECK(clock.read(at(kStart + i * kSecond / 10)).verdict == Verdict::kContinues);
-    const ScanClock::Reading other = clock.read(at(kStart + 12 * kSecond + i * kSecond / 10));
+    CHECK(clock.read(scan_at(kFirstScan + i * kSecond / 10)).verdict == Verdict::kContinues);
+    const ScanClock::Reading other = clock.read(scan_at(kFirstScan + 12 * kSecond + i * kSecond / 10));
     CHECK(other.verdict == Verdict::kOtherClock);
     interleaved += other.interleaved ? 1 : 0;
   }
@@ -139,15 +140,15 @@ TEST_CASE("of a clock that is irregular late scans are taken in the order of the
   double elapsed = 0;
   for (int i = 0; i < 240; ++i) {
     CAPTURE(i);
-    const std::int64_t utime = kStart + static_cast<std::int64_t>(1e6 * stamped_s(i));
-    const ScanClock::Reading reading = clock.read(at(utime));
+    const std::int64_t utime = kFirstScan + static_cast<std::int64_t>(1e6 * stamped_s(i));
+    const ScanClock::Reading reading = clock.read(scan_at(utime));
     if (i < 60) continue;
     CHECK(reading.verdict == Verdict::kContinues);
     CHECK(reading.elapsed_s == doctest::Approx(0.2).epsilon(0.1));
     CHECK(reading.most_elapsed_s >= reading.elapsed_s);
     elapsed += reading.elapsed_s;
-    CHECK(clock.read(at(utime)).verdict == Verdict::kDuplicate);
-    CHECK(clock.read(at(utime - 2 * kSecond)).verdict == Verdict::kOtherClock);
+    CHECK(clock.read(scan_at(utime)).verdict == Verdict::kDuplicate);
+    CHECK(clock.read(scan_at(utime - 2 * kSecond)).verdict == Verdict::kOtherClock);
   }
   CHECK(elapsed == doctest::Approx(36).epsilon(0.02));
 }
@@ -157,7 +158,7 @@ TEST_CASE("an irregular clock that steps back is followed while it is late") {
   for (int i = 0; i < 200; ++i) {
     const double back = i < 100 ? 0 : 0.9;
     const ScanClock::Reading reading =
-        clock.read(at(kStart + static_cast<std::int64_t>(1e6 * (stamped_s(i) - back))));
+        clock.read(scan_at(kFirstScan + static_cast<std::int64_t>(1e6 * (stamped_s(i) - back))));
     CAPTURE(i);
     if (i < 60) continue;
     CHECK(clock.accepts(reading.verdict));

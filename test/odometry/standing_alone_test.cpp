@@ -10,10 +10,10 @@
 #include <numeric>
 #include <random>
 
+#include "geometry/angles.hpp"
+
 namespace scanlock {
 namespace {
-
-constexpr double kDegree = 3.14159265358979 / 180;
 
 /// The range along an azimuth (radians) at a slope; 0 where nothing is.
 using Scene = std::function<double(double azimuth, double slope)>;

@@ -10,12 +10,11 @@
 #include <random>
 
 #include "framed_tracker.hpp"
+#include "geometry/angles.hpp"
 #include "room.hpp"
 
 namespace scanlock {
 namespace {
-
-constexpr double kDegree = 3.14159265358979 / 180.0;
 
 Vector6 twist(double vx, double vy, double yaw_rate) {
   Vector6 t;
@@ -39,12 +38,6 @@ class Drive {
   Pose start_;
   Vector6 velocity_;
 };
-
-Pose at(double x, double y, double heading) {
-  Pose pose = se3_exp(yaw(heading));
-  pose.translation() << x, y, 0;
-  return pose;
-}
 
 TrackerConfig tunnel_config() {
   TrackerConfig config;

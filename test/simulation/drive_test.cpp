@@ -7,14 +7,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/angles.hpp"
 #include "geometry/rigid.hpp"
 #include "simulation/world.hpp"
 
 using namespace scanlock;
 
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 Drive drive_of(const World& world, double seconds, const std::vector<SimulationEvent>& events = {}) {
   return Drive(world.route, world.scene.terrain(), world.style, events, seconds, 3);

@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/angles.hpp"
 #include "simulation/simulator.hpp"
 
 using namespace scanlock;
 
 namespace {
 
-constexpr double kDegree = M_PI / 180;
 constexpr WorldKind kLooped[] = {WorldKind::kIndoor, WorldKind::kUrban, WorldKind::kForest,
                                  WorldKind::kField};
 

@@ -9,12 +9,11 @@
 #include <vector>
 
 #include "brute_force.hpp"
+#include "geometry/angles.hpp"
 
 using namespace scanlock;
 
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 SimulationConfig config_of(WorldKind world, LidarKind lidar, double seconds) {
   SimulationConfig config;
