@@ -60,7 +60,7 @@ Bytes encode_pointcloud2(const Scan& scan, const ScanTags& tags) {
     bot_core::pointfield_t field{};
     field.name = column.name;
     field.offset = static_cast<std::int32_t>(4 * message.fields.size());
-    field.datatype = kFloat32;
+    field.datatype = kFloat32Datatype;
     field.count = 1;
     message.fields.push_back(field);
   }
@@ -86,7 +86,7 @@ Bytes encode_ros_pointcloud2(const Scan& scan, const ScanTags& tags) {
     sensor_msgs::PointField field{};
     field.name = column.name;
     field.offset = static_cast<std::int32_t>(4 * message.fields.size());
-    field.datatype = kFloat32;
+    field.datatype = kFloat32Datatype;
     field.count = 1;
     message.fields.push_back(field);
   }
@@ -111,7 +111,7 @@ Bytes encode_drake_point_cloud(const Scan& scan, const ScanTags& tags) {
     drake::lcmt_point_cloud_field field{};
     field.name = column.name;
     field.byte_offset = static_cast<std::int32_t>(4 * message.fields.size());
-    field.datatype = kFloat32;
+    field.datatype = kFloat32Datatype;
     field.count = 1;
     message.fields.push_back(field);
   }

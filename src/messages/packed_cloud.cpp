@@ -95,9 +95,9 @@ void gather_any(const PackedCloud& cloud, const PackedField& field, bool swap, c
       return gather<std::int32_t>(cloud, field, swap, offsets, values);
     case 6:
       return gather<std::uint32_t>(cloud, field, swap, offsets, values);
-    case kFloat32:
+    case kFloat32Datatype:
       return gather<float>(cloud, field, swap, offsets, values);
-    case kFloat64:
+    case kFloat64Datatype:
       return gather<double>(cloud, field, swap, offsets, values);
     default:
       values.clear();
@@ -162,7 +162,7 @@ bool check_fields(const PackedCloud& cloud, ByteReader& reader) {
   const auto coordinate = [&](const std::optional<PackedField>& field, const char* name) {
     if (!field) {
       reader.fail(DecodeFault::kBadField, std::string("there is no field `") + name + "`");
-    } else if (field->datatype != kFloat32 && field->datatype != kFloat64) {
+    } else if (field->datatype != kFloat32Datatype && field->datatype != kFloat64Datatype) {
       reader.fail(DecodeFault::kBadField, std::string("field `") + name + "` has datatype " +
                                               std::to_string(field->datatype) +
                                               "; 7 (float32) or 8 (float64) is read");
@@ -181,8 +181,8 @@ bool check_fields(const PackedCloud& cloud, ByteReader& reader) {
 std::string unpack_times(const PackedCloud& cloud, bool swap, const Offsets& offsets, Scan& scan) {
   if (!cloud.time) return "no time field";
   TimeKind kind = TimeKind::kInteger;
-  if (cloud.time->datatype == kFloat32) kind = TimeKind::kFloat32;
-  if (cloud.time->datatype == kFloat64) kind = TimeKind::kFloat64;
+  if (cloud.time->datatype == kFloat32Datatype) kind = TimeKind::kFloat32;
+  if (cloud.time->datatype == kFloat64Datatype) kind = TimeKind::kFloat64;
   if (cloud.time->datatype < 5)
     return "`" + cloud.time->name + "` is ignored: an integer of less than 32 bits";
   std::vector<double> raw;
@@ -230,7 +230,7 @@ void unpack(const PackedCloud& given, const DecodeLimits& limits, ByteReader& re
   points.z.resize(total);
   Offsets offsets(total);
   const bool swap = cloud.big_endian != host_is_big_endian();
-  const bool wide = cloud.x->datatype == kFloat64;
+  const bool wide = cloud.x->datatype == kFloat64Datatype;
   const auto unpack_kind = wide ? (swap ? unpack_points<double, true> : unpack_points<double, false>)
                                 : (swap ? unpack_points<float, true> : unpack_points<float, false>);
   const std::size_t kept = unpack_kind(cloud, points, offsets);

@@ -21,7 +21,7 @@ struct PackedField {
   int rank = 0;             ///< of the name, 0 is the best
 };
 
-inline constexpr std::int8_t kFloat32 = 7, kFloat64 = 8;  ///< of `datatype`
+inline constexpr std::int8_t kFloat32Datatype = 7, kFloat64Datatype = 8;
 
 /// Bytes of a value; 0 for a datatype that does not exist.
 std::size_t datatype_size(int datatype);
