@@ -81,7 +81,8 @@ TEST_CASE("a configuration that cannot be used is 1 and one line that says where
       {"range.toml", "range.toml:2: tracker.threads: 0 is not in 1 to 256"},
       {"broken.toml", "broken.toml:1: not TOML"},
       {"missing.toml", missing}};
-  for (const auto& [name, sentence] : cases) {
+  for (const auto& [file, sentence] : cases) {
+    const std::string name = file;  // clang++ 14 captures no structured binding
     CAPTURE(name);
     const Result result = run(folder, {"scanlockd", "-c", folder / name});
     CHECK(result.code == 1);

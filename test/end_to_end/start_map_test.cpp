@@ -93,9 +93,10 @@ TEST_CASE("what is no map to start in is an error with its name and a reason") {
   write_cloud(folder / "wall.ply", wall);
   write_cloud(folder / "empty.ply", {});
   write_file(folder / "cut.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 9\n");
-  for (const auto& [file, reason] :
+  for (const auto& [name, reason] :
        {std::pair("wall.ply", "no floor in it"), std::pair("empty.ply", "no floor in it"),
         std::pair("cut.ply", "cut.ply"), std::pair("none.ply", "no such file")}) {
+    const std::string file = name;  // clang++ 14 captures no structured binding
     CAPTURE(file);
     const Result result = run(folder, {"scanlock-odometry", log, "--start-map", folder / file});
     CHECK(result.code == 1);
