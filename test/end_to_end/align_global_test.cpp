@@ -58,7 +58,8 @@ TEST_CASE("align finds a pose without a start, and says how sure it is") {
   }
 }
 
-TEST_CASE("align prints a pose that is not certain, says so and fails, unless it is to accept it") {
+TEST_CASE("align prints a pose that is not certain, says so and fails, unless it is to accept it" *
+          doctest::test_suite("many trials")) {
   const Yards yards;
   const std::string here = yards.folder / "here.pcd", there = yards.folder / "there.pcd";
   write_cloud(here, scanned_tunnel(1));

@@ -32,7 +32,8 @@ std::vector<std::string> table_command(const std::vector<std::string>& more) {
 
 }  // namespace
 
-TEST_CASE("the table of kidnaps fails where fewer drives recovered than are required") {
+TEST_CASE("the table of kidnaps fails where fewer drives recovered than are required" *
+          doctest::test_suite("long drives")) {
   const TemporaryFolder folder;
   const Result result = run(folder, table_command({"--require", "tunnel:1/1"}));
   CHECK(result.code == 1);
@@ -42,7 +43,8 @@ TEST_CASE("the table of kidnaps fails where fewer drives recovered than are requ
   CHECK(run(folder, table_command({"--require", "urban:1/1"})).code == 2);
 }
 
-TEST_CASE("the table of kidnaps replaces the logs that it kept earlier only with --force") {
+TEST_CASE("the table of kidnaps replaces the logs that it kept earlier only with --force" *
+          doctest::test_suite("long drives")) {
   const TemporaryFolder folder;
   const std::string kept = folder / "tunnel-1", note = kept + "/scans.lcmlog";
   std::filesystem::create_directory(kept);

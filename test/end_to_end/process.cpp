@@ -98,7 +98,7 @@ std::string joined(const CommandLine& command) {
 
 Result run(const TemporaryFolder& folder, const CommandLine& command) {
   Process process(folder, command);
-  const auto code = process.wait(std::chrono::seconds(30));
+  const auto code = process.wait(std::chrono::seconds(120));
   return {code.value_or(-1), process.output(), process.errors()};
 }
 

@@ -49,7 +49,7 @@ class Process {
   std::string output_path_, error_path_;
 };
 
-/// Runs a program to its end (at most 30 s).
+/// Runs a program to its end (at most 120 s).
 struct Result {
   int code = -1;
   std::string output, errors;

@@ -106,7 +106,8 @@ int run_and_kill(const DriveWithACarry& drive, const Network& network, const Tem
 
 }  // namespace
 
-TEST_CASE("after kill -9 it finds its place in the saved map and goes on in the same frame") {
+TEST_CASE("after kill -9 it finds its place in the saved map and goes on in the same frame" *
+          doctest::test_suite("long drives")) {
   const Network network;
   if (!network.lack().empty()) {
     MESSAGE("skipped: " << network.lack());

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "../trials.hpp"
 #include "geometry/rigid.hpp"
 #include "judge.hpp"
 #include "match_samples.hpp"
@@ -53,9 +54,9 @@ int most_of_all(const Slopes& slopes) {
 }  // namespace
 
 TEST_CASE("of several attitudes the one with the largest consensus is found, whatever their order") {
-  for (unsigned seed = 1; seed <= 12; ++seed) {
+  for (int seed = 1; seed <= trials(12); ++seed) {
     CAPTURE(seed);
-    Slopes slopes(seed);
+    Slopes slopes(static_cast<unsigned>(seed));
     const int most = most_of_all(slopes);
     REQUIRE(most >= kInliers);
     for (int order = 0; order < 3; ++order) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "../trials.hpp"
 #include "global/match_registration.hpp"
 #include "judge.hpp"
 #include "match_samples.hpp"
@@ -13,14 +14,10 @@
 namespace scanlock {
 namespace {
 
-/// More for a long night: the number of cases is multiplied by SCANLOCK_JUDGE_CASES. The sanitisers, which
-/// are ten times slower, look for other faults than wrong answers: a fifth of the cases shows those.
+/// More for a long night: the number of cases is multiplied by SCANLOCK_JUDGE_CASES.
 int cases(int n) {
-#ifdef __SANITIZE_ADDRESS__
-  n /= 5;
-#endif
   const char* factor = std::getenv("SCANLOCK_JUDGE_CASES");
-  return factor ? n * std::atoi(factor) : n;
+  return factor ? trials(n) * std::atoi(factor) : trials(n);
 }
 
 void check_against_judge(const Matches& matches, double epsilon) {

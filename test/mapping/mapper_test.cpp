@@ -140,7 +140,8 @@ TEST_CASE("what the poses of a saved map are known to, and what closed its loops
   CHECK(rigid.diagonal().maxCoeff() < 1e-2);
 }
 
-TEST_CASE("a map that is fixed stays as it is, gets no larger by revisits, and ties the robot to its frame") {
+TEST_CASE("a map that is fixed stays as it is, gets no larger by revisits, and ties the robot to its frame" *
+          doctest::test_suite("long drives")) {
   Mapper mapper(forgetful());
   for (int i = 0; i < 90; ++i) mapper.track(seen(i));  // round the hall
   const SavedMap saved = mapper.save();
