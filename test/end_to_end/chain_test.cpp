@@ -53,8 +53,7 @@ Recorded play_through(const Network& network, const TemporaryFolder& folder, con
   Process player(folder, {"lcm-logplayer", "-l", network.url(), "-s", kSpeed, log});
   CHECK(listener.until([&] { return static_cast<int>(listener.poses.size()) >= scans; }, seconds(20)));
   CHECK(player.wait(seconds(5)) == 0);
-  // The logger writes what it has when the next message comes: the daemon tells its status until all is
-  // there.
+  // The logger writes what it has when the next message comes: the daemon lives until all is there.
   const int statuses = listener.statuses;
   Recorded recorded;
   CHECK(listener.until(
