@@ -9,12 +9,14 @@ namespace scanlock {
 
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
+using Vector18 = Eigen::Matrix<double, 18, 1>;
+using Matrix18 = Eigen::Matrix<double, 18, 18>;
 
 // The systems of poses and of motions. They are compiled here, once: unrolled, they take long.
 
 /// The solution of a x = b for a positive definite a (LDLT).
 Vector6 solve(const Matrix6& a, const Vector6& b);
-Vector12 solve(const Matrix12& a, const Vector12& b);
+Vector18 solve(const Matrix18& a, const Vector18& b);
 /// The inverse of a positive definite matrix (LDLT).
 Matrix12 inverse(const Matrix12& a);
 /// The inverse of any regular matrix (LU).

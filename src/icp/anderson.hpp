@@ -6,8 +6,8 @@
 
 namespace scanlock {
 
-/// Unknowns of an alignment: 6 for a rigid motion, 12 for a motion and its velocity. Never allocates.
-using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 12, 1>;
+/// Unknowns of an alignment: 6 for a rigid motion, 18 with its velocity and acceleration. Never allocates.
+using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 18, 1>;
 
 /// Anderson acceleration of a fixed-point iteration x <- G(x), equation 7.
 class AndersonAcceleration {
@@ -25,7 +25,7 @@ class AndersonAcceleration {
   StateVector next(const StateVector& x, const StateVector& image);
 
  private:
-  using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, kMaxWindow>;
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 18, kMaxWindow>;
 
   int window_;
   int count_ = 0;  ///< iterates taken since reset

@@ -28,7 +28,8 @@ constexpr double kLeastCurvature = 0.05;
 
 }  // namespace
 
-/// State x = [log(prior^-1 pose); (twist - prior twist) * duration]: all six plus six in metres and radians.
+/// State x = [log(prior^-1 pose); (twist - prior twist) * T; acceleration * T^2 / 8], T the duration of the
+/// scan: all in metres and radians.
 struct ScanAligner::Workspace final : DescentProblem {
   // Inputs of the alignment under way; set by begin().
   const PointCloud* source = nullptr;
@@ -41,7 +42,8 @@ struct ScanAligner::Workspace final : DescentProblem {
   double nu = 1.0;
   double duration = 0.1;  // seconds: makes a velocity a displacement
   double arm = 10.0;      // metres: makes a rotation the motion of a typical point
-  Vector6 x = Vector6::Zero(), twist = Vector6::Zero();
+  Vector6 x = Vector6::Zero(), twist = Vector6::Zero(), acceleration = Vector6::Zero();
+  Matrix18 held = Matrix18::Zero();       // information of the prior
   std::vector<float> wx, wy, wz;          // source in the target frame
   std::vector<float> residuals, weights;  // per source point; NaN and 0 without a surface
   std::vector<double> kernel;             // Welsch's weight of the residual, where there is a surface
@@ -58,6 +60,8 @@ struct ScanAligner::Workspace final : DescentProblem {
     correspondences.reset(to.cloud, to.tree, n);
     for (std::vector<float>* values : {&wx, &wy, &wz, &residuals, &weights}) values->resize(n);
     kernel.resize(n);
+    held.topLeftCorner<12, 12>() = prior->information;
+    held.diagonal().tail<6>() = prior->acceleration_variance.cwiseInverse();
     duration =
         motion.still() ? 0.1 : std::max(motion.knot_time(ScanMotion::kKnots) - motion.knot_time(0), 1e-3);
     double sum = 0;
@@ -68,13 +72,15 @@ struct ScanAligner::Workspace final : DescentProblem {
   double gate() const { return 3.0 * nu + options->gate_margin; }
 
   MovingPose moving(const StateVector& state) const {
-    return {prior->mean.pose * se3_exp(state.head<6>()), prior->mean.twist + state.tail<6>() / duration};
+    return {prior->mean.pose * se3_exp(state.head<6>()), prior->mean.twist + state.segment<6>(6) / duration,
+            state.tail<6>() * (8 / (duration * duration)), motion.middle()};
   }
 
   double evaluate(const StateVector& state) override {
     x = state.head<6>();
-    twist = prior->mean.twist + state.tail<6>() / duration;
-    motion.set_twist(twist);
+    twist = prior->mean.twist + state.segment<6>(6) / duration;
+    acceleration = state.tail<6>() * (8 / (duration * duration));
+    motion.set_motion(twist, acceleration, motion.middle());
     const Pose pose = prior->mean.pose * se3_exp(x);
     const Eigen::Matrix3f rotation = pose.linear().cast<float>();
     const Eigen::Vector3f translation = pose.translation().cast<float>();
@@ -114,9 +120,8 @@ struct ScanAligner::Workspace final : DescentProblem {
       explained += surface.weight * kernel[i];
       ++matched;
     }
-    const Vector12 e = prior_error();
-    return static_cast<double>(source->size()) - explained +
-           prior_share() * prior_cost(e.dot(prior->information * e));
+    const Vector18 e = prior_error();
+    return static_cast<double>(source->size()) - explained + prior_share() * prior_cost(e.dot(held * e));
   }
 
   /// Of the prior against a weight of 1 a source point. It does not change with nu: at the upper scales
@@ -124,9 +129,9 @@ struct ScanAligner::Workspace final : DescentProblem {
   /// the others have settled.
   double prior_share() const { return options->sigma * options->sigma / (options->nu_min * options->nu_min); }
 
-  Vector12 prior_error() const {
-    Vector12 e;
-    e << x, twist - prior->mean.twist;
+  Vector18 prior_error() const {
+    Vector18 e;
+    e << x, twist - prior->mean.twist, acceleration;
     return e;
   }
 
@@ -169,10 +174,12 @@ struct ScanAligner::Workspace final : DescentProblem {
   }
 
   /// Of a point at the time of a knot: [d; eta] moves it as basis * [d; eta] would at the stamp.
-  Eigen::Matrix<double, 6, 12> basis_of(int knot) const {
-    Eigen::Matrix<double, 6, 12> basis;
+  Eigen::Matrix<double, 6, 18> basis_of(int knot) const {
+    Eigen::Matrix<double, 6, 18> basis;
     const double time = motion.still() ? 0.0 : motion.knot_time(knot);
-    basis << Matrix6::Identity(), time * adjoint(se3_exp(x)) * se3_left_jacobian(time * twist);
+    const double bend = bend_at(time, motion.middle());
+    const Matrix6 turned = adjoint(se3_exp(x)) * se3_left_jacobian(time * twist + bend * acceleration);
+    basis << Matrix6::Identity(), time * turned, bend * turned;
     return basis;
   }
 
@@ -184,22 +191,23 @@ struct ScanAligner::Workspace final : DescentProblem {
     sum.jr += weight * row.residual * row.j;
   }
 
-  void sum_up(const AllKnots& sums, Matrix12* hessian, Vector12* gradient) const {
+  void sum_up(const AllKnots& sums, Matrix18* hessian, Vector18* gradient) const {
     hessian->setZero();
     gradient->setZero();
     for (int k = 0; k <= ScanMotion::kKnots; ++k) {
       const KnotSums& sum = sums[static_cast<std::size_t>(k)];
       if (sum.jj.isZero(0)) continue;
       const Matrix6 jj = sum.jj.selfadjointView<Eigen::Lower>();
-      const Eigen::Matrix<double, 6, 12> basis = basis_of(k);
+      const Eigen::Matrix<double, 6, 18> basis = basis_of(k);
       *hessian += basis.transpose() * jj * basis;
       *gradient += basis.transpose() * sum.jr;
     }
   }
 
   /// Gauss-Newton sums of the data: H = sum s w j j^T, g = sum s w r j, with j the derivative of r by
-  /// [d; eta]: pose <- prior * exp(d) * exp(x), twist <- twist + eta.
-  void linearise(bool robust, Matrix12* hessian, Vector12* gradient) const {
+  /// [d; eta]: pose <- prior * exp(d) * exp(x), twist <- twist + eta,
+  /// acceleration <- acceleration + the last six.
+  void linearise(bool robust, Matrix18* hessian, Vector18* gradient) const {
     AllKnots sums{};
     visit_rows([&](const Row& row) { add(row, row.weight * (robust ? kernel[row.point] : 1.0), &sums); });
     sum_up(sums, hessian, gradient);
@@ -217,10 +225,10 @@ struct ScanAligner::Workspace final : DescentProblem {
   }
 
   /// Sum of g g^T over the patches of the scene, g the sum of w r j of the points in it.
-  Matrix12 scatter() const {
-    std::vector<Eigen::Matrix<double, 6, 12>> bases;
+  Matrix18 scatter() const {
+    std::vector<Eigen::Matrix<double, 6, 18>> bases;
     for (int k = 0; k <= ScanMotion::kKnots; ++k) bases.push_back(basis_of(k));
-    std::vector<std::pair<std::uint64_t, Vector12>> parts;
+    std::vector<std::pair<std::uint64_t, Vector18>> parts;
     parts.reserve(source->size());
     visit_rows([&](const Row& row) {
       if (row.along == 0) return;  // its residual is zero
@@ -230,9 +238,9 @@ struct ScanAligner::Workspace final : DescentProblem {
     });
     std::stable_sort(parts.begin(), parts.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
-    Matrix12 scatter = Matrix12::Zero();
+    Matrix18 scatter = Matrix18::Zero();
     for (std::size_t i = 0; i < parts.size();) {
-      Vector12 sum = Vector12::Zero();
+      Vector18 sum = Vector18::Zero();
       const std::uint64_t patch = parts[i].first;
       for (; i < parts.size() && parts[i].first == patch; ++i) sum += parts[i].second;
       scatter.selfadjointView<Eigen::Lower>().rankUpdate(sum);
@@ -270,21 +278,41 @@ struct ScanAligner::Workspace final : DescentProblem {
     return result.selfadjointView<Eigen::Lower>();
   }
 
+  /// Information and scatter of pose and twist: the acceleration is solved along, and what is not known of it
+  /// is known less of them.
+  void tell(ScanAlignment* result) const {
+    Matrix18 all;
+    Vector18 gradient;
+    linearise(true, &all, &gradient);
+    const double variance = options->sigma * options->sigma;
+    const Matrix6 expected = variance * held.bottomRightCorner<6, 6>();
+    Eigen::Matrix<double, 12, 18> along = Eigen::Matrix<double, 12, 18>::Identity();
+    along.rightCols<6>() =
+        -all.topRightCorner<12, 6>() * inverse(Matrix6(all.bottomRightCorner<6, 6>() + expected));
+    result->pose_information = all.topLeftCorner<6, 6>();
+    result->information = all.topLeftCorner<12, 12>() + along.rightCols<6>() * all.bottomLeftCorner<6, 12>();
+    // At the true acceleration the gradient of its prior is not zero either.
+    Matrix18 scattered = scatter();
+    scattered.bottomRightCorner<6, 6>() += variance * expected;
+    result->scatter = along * scattered * along.transpose();
+  }
+
   StateVector image() override {
-    Matrix12 hessian;
-    Vector12 gradient;
+    Matrix18 hessian;
+    Vector18 gradient;
     linearise(true, &hessian, &gradient);
-    const Vector12 e = prior_error();
-    const double scale = prior_share() * nu * nu * prior_weight(e.dot(prior->information * e));
+    const Vector18 e = prior_error();
+    const double scale = prior_share() * nu * nu * prior_weight(e.dot(held * e));
     // d moves x by J_l(x)^-1 d to first order.
-    Matrix12 to_error = Matrix12::Identity();
+    Matrix18 to_error = Matrix18::Identity();
     to_error.topLeftCorner<6, 6>() = inverse(se3_left_jacobian(x));
-    hessian += scale * to_error.transpose() * prior->information * to_error;
-    gradient += scale * to_error.transpose() * (prior->information * e);
-    const Vector12 step = -solve(hessian, gradient);
-    StateVector state(12);
+    hessian += scale * to_error.transpose() * held * to_error;
+    gradient += scale * to_error.transpose() * (held * e);
+    const Vector18 step = -solve(hessian, gradient);
+    StateVector state(18);
     state << se3_log(se3_exp(step.head<6>()) * se3_exp(x)),
-        (twist - prior->mean.twist + step.tail<6>()) * duration;
+        (twist - prior->mean.twist + step.segment<6>(6)) * duration,
+        (acceleration + step.tail<6>()) * (0.125 * duration * duration);
     return state;
   }
 
@@ -292,7 +320,8 @@ struct ScanAligner::Workspace final : DescentProblem {
     const StateVector d = b - a;
     const double pose = d.head<3>().norm() + arm * d.segment<3>(3).norm();
     const double velocity = d.segment<3>(6).norm() + arm * d.segment<3>(9).norm();
-    return motion.still() ? pose : pose + 0.5 * velocity;
+    const double bend = d.segment<3>(12).norm() + arm * d.segment<3>(15).norm();
+    return motion.still() ? pose : pose + 0.5 * velocity + bend;
   }
 
   double median_absolute_residual() const {
@@ -325,7 +354,7 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
                                  const MotionPrior& prior, const ScanAlignmentOptions& options) {
   Workspace& work = *workspace_;
   work.begin(source, target, prior, options);
-  StateVector x = StateVector::Zero(12);
+  StateVector x = StateVector::Zero(18);
   work.nu = options.nu_max;
   work.evaluate(x);
   // Section 5: the first scale is three times the median residual at the start. Where most points lie on the
@@ -350,11 +379,9 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
     if (last) break;
     work.nu = std::max(0.5 * work.nu, options.nu_min);
   }
-  Vector12 gradient;
-  work.linearise(true, &result.information, &gradient);
+  work.tell(&result);
   result.noise = work.noise();
   result.curvature = work.curvature();
-  result.scatter = work.scatter();
   result.sweep_s = work.motion.still() ? 0.0 : work.duration;
   result.moving = work.moving(x);
   result.matched = work.matched;
@@ -383,12 +410,12 @@ std::vector<PointFit> ScanAligner::fits(const AlignmentTarget& target) const {
   return fits;
 }
 
-PointCloud deskewed(const PointCloud& points, const Vector6& twist) {
+PointCloud deskewed(const PointCloud& points, const MovingPose& moving) {
   PointCloud result = points;
   ScanMotion motion;
   motion.set_times(points.time);
   if (motion.still()) return result;
-  motion.set_twist(twist);
+  motion.set_motion(moving.twist, moving.acceleration, moving.middle_s);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3f p = motion.at_stamp(i, points.point(i));
     result.x[i] = p.x();

@@ -14,20 +14,25 @@
 
 namespace scanlock {
 
-/// A pose and its velocity: during a scan the body moves as pose * exp(t * twist), t in seconds from the
-/// stamp.
+/// A pose and its velocity: during a scan the body moves as pose * exp(t * twist + bend_at(t) *
+/// acceleration), t in seconds from the stamp.
 struct MovingPose {
-  Pose pose = Pose::Identity();     ///< target_from_body at the stamp
-  Vector6 twist = Vector6::Zero();  ///< body velocity [m/s; rad/s]
+  Pose pose = Pose::Identity();            ///< target_from_body at the stamp
+  Vector6 twist = Vector6::Zero();         ///< body velocity [m/s; rad/s], the mean over the scan
+  Vector6 acceleration = Vector6::Zero();  ///< m/s^2, rad/s^2
+  double middle_s = 0;                     ///< of the times of the scan
 };
 
+inline constexpr double kStraight = 1e-8;  ///< variance of an acceleration that is held at zero
+
 /// What is known before the scan is looked at. The error of a moving pose against it is
-/// e = [log(mean.pose^-1 pose); twist - mean.twist]. A body moves smoothly most of the time and abruptly now
-/// and then, so that e has a multivariate Student t distribution with kPriorFreedom degrees of freedom: what
-/// follows the prediction is held by it, what contradicts it is let go.
+/// e = [log(mean.pose^-1 pose); twist - mean.twist; acceleration]. A body moves smoothly most of the time and
+/// abruptly now and then, so that e has a multivariate Student t distribution with kPriorFreedom degrees of
+/// freedom: what follows the prediction is held by it, what contradicts it is let go.
 struct MotionPrior {
   MovingPose mean;
-  Matrix12 information = Matrix12::Zero();     ///< inverse of the scale matrix; positive definite
+  Matrix12 information = Matrix12::Zero();  ///< of pose and twist, inverse scale matrix; positive definite
+  Vector6 acceleration_variance = Vector6::Constant(kStraight);  ///< m^2/s^4, rad^2/s^4; its mean is zero
   double ahead_s = 0;                          ///< seconds since the state that it was predicted from
   Matrix12 transition = Matrix12::Identity();  ///< of errors of that state to errors of the mean
   Matrix12 noise = Matrix12::Zero();  ///< covariance of what the motion may have been beyond the mean
@@ -69,7 +74,10 @@ struct ScanAlignment {
   MovingPose moving;
   Matrix12 information =
       Matrix12::Zero();  ///< of the data alone, order and frame as in MotionPrior, unit residual variance
-  Matrix6 noise = Matrix6::Zero();  ///< what errors of the normals alone put into its pose block, expected
+  /// Of the pose alone, were the motion within the scan known: less of it is known where that is solved
+  /// along.
+  Matrix6 pose_information = Matrix6::Zero();
+  Matrix6 noise = Matrix6::Zero();  ///< what errors of the normals alone put into pose_information, expected
   /// The second derivative of the energy over the Gauss-Newton one, the mean over the points: one where
   /// residuals are small against nu, less where many have left the kernel's core.
   double curvature = 1;
@@ -92,8 +100,8 @@ struct PointFit {
 };
 
 /// Robust point-to-plane ICP (algorithm 2) with two extensions: the unknown is the pose at the stamp *and*
-/// the velocity, so that the motion within the scan is solved and not only predicted, and the prior
-/// joins them to the past. The energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2)
+/// velocity and acceleration, so that the motion within the scan is solved and not only predicted, and the
+/// prior joins them to the past. The energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2)
 /// prior_cost(e^T information e), with s_i the weight of the surface (0 where there is none), r_i the
 /// distance to it, of a line times its scale.
 class ScanAligner {
@@ -119,7 +127,8 @@ class ScanAligner {
   std::unique_ptr<Workspace> workspace_;
 };
 
-/// The points of a scan as they stood at its stamp: p' = exp(t * twist) p. Without times a copy.
-PointCloud deskewed(const PointCloud& points, const Vector6& twist);
+/// The points of a scan as they stood at its stamp: p' = exp(t * twist + bend_at(t) * acceleration) p.
+/// Without times a copy.
+PointCloud deskewed(const PointCloud& points, const MovingPose& moving);
 
 }  // namespace scanlock

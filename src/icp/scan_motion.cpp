@@ -28,10 +28,11 @@ void ScanMotion::set_times(const std::vector<float>& times) {
   }
 }
 
-void ScanMotion::set_twist(const Vector6& twist) {
+void ScanMotion::set_motion(const Vector6& twist, const Vector6& acceleration, double middle) {
   if (still_) return;
   for (int k = 0; k <= kKnots; ++k) {
-    const Pose pose = se3_exp(knot_time(k) * twist);
+    const double t = knot_time(k);
+    const Pose pose = se3_exp(t * twist + bend_at(t, middle) * acceleration);
     const std::size_t at = static_cast<std::size_t>(k);
     poses_[at] = pose;
     rotations_[at] = pose.linear().cast<float>();

@@ -10,18 +10,26 @@
 
 namespace scanlock {
 
-/// exp(t * twist) for the times of a scan: exact at kKnots + 1 instants, linear in between. At 180 deg/s over
-/// 0.1 s the linear part is wrong by 1e-5 rad at most.
+/// By how much a body that accelerates during a scan is off the straight way at t, per unit of acceleration:
+/// zero at the stamp, and alike at both ends, so that the twist is the mean velocity of the scan. `middle`:
+/// of the times of the scan; seconds.
+inline double bend_at(double t, double middle) {
+  return 0.5 * t * (t - 2 * middle);
+}
+
+/// exp(t * twist + bend_at(t) * acceleration) for the times of a scan: exact at kKnots + 1 instants, linear
+/// in between. At 180 deg/s over 0.1 s the linear part is wrong by 1e-5 rad at most.
 class ScanMotion {
  public:
   static constexpr int kKnots = 32;
 
   /// Times in seconds relative to the stamp; empty: all points at the stamp.
   void set_times(const std::vector<float>& times);
-  void set_twist(const Vector6& twist);
+  void set_motion(const Vector6& twist, const Vector6& acceleration, double middle);
 
   bool still() const { return still_; }  ///< no times: every point is at the stamp
   double knot_time(int knot) const { return first_ + knot * step_; }
+  double middle() const { return still_ ? 0.0 : knot_time(0) + 0.5 * kKnots * step_; }
   const Pose& knot_pose(int knot) const { return poses_[static_cast<std::size_t>(knot)]; }
   /// The knot nearest to a point's time.
   int nearest_knot(std::size_t point) const {

@@ -65,7 +65,7 @@ void Excursion::remember(std::int64_t utime, const PreparedScan& scan) {
   const Matrix6 covariance = odometer_.take_new_drift();
   std::optional<Constraint> tie;
   if (!seen_.empty()) tie = tie_to(seen_.keyframes().back(), here, covariance);
-  seen_.add(utime, here, scan.median_range, deskewed(scan.source, odometer_.state().twist), tie);
+  seen_.add(utime, here, scan.median_range, deskewed(scan.source, odometer_.state()), tie);
 }
 
 /// Scans that a wrong velocity bends all alike fit each other, so that nothing else tells: but the way from

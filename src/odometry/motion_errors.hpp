@@ -31,6 +31,10 @@ class MotionErrors {
   void leave_to_map(double share);
 
   const Matrix12& covariance() const { return covariance_; }
+  /// Of the variance of the acceleration that the filter allows, what was there lately; all where nothing
+  /// is known. Linear; angular.
+  double linear_share() const { return accelerations_[0].share(); }
+  double angular_share() const { return accelerations_[1].share(); }
 
  private:
   /// Of the noise that a prior allows to a velocity, the share that was there: a quotient of two sums of

@@ -45,7 +45,7 @@ MotionPrior MotionFilter::predict(double dt) const {
   prior.ahead_s = dt;
   Vector6 kept = Vector6::Ones();        // of a velocity's deviation from its mean, at the end,
   Vector6 time = Vector6::Constant(dt);  // and the seconds at the velocity of now that the way there is worth
-  for (const int axis : {2, 3, 4}) {
+  for (const int axis : kSwinging) {
     kept[axis] = exp(-dt / kReturn);
     time[axis] = kReturn * (1 - kept[axis]);
   }
@@ -62,6 +62,8 @@ MotionPrior MotionFilter::predict(double dt) const {
   Vector6 density;
   density << Eigen::Vector3d::Constant(linear_density_), Eigen::Vector3d::Constant(angular_density_);
   if (planar_) density.segment<3>(2).setZero();
+  for (const int axis : {0, 1, 5})
+    prior.acceleration_variance[axis] = std::max(density[axis] / kManoeuvre, kStraight);
   Matrix12& noise = prior.noise;
   noise.diagonal() << density * (dt * dt * dt / 3.0), density * dt;
   noise.topRightCorner<6, 6>().diagonal() = density * (dt * dt / 2.0);
@@ -83,7 +85,8 @@ MotionPrior MotionFilter::predict(double dt, const Pose& motion) const {
 }
 
 void MotionFilter::update(const MotionPrior& prior, const ScanAlignment& alignment, double variance) {
-  state_ = {renormalised(alignment.moving.pose), alignment.moving.twist};
+  state_ = alignment.moving;
+  state_.pose = renormalised(state_.pose);
   follow_mean(prior.ahead_s);
   // That a prediction was met says nothing more of where no data did.
   const double weight = std::min(prior_weight(squared_gap(prior, alignment.moving)), 1.0);
@@ -98,6 +101,7 @@ void MotionFilter::coast(const MotionPrior& prior) {
 
 void MotionFilter::stand() {
   state_.twist.setZero();
+  state_.acceleration.setZero();
   mean_twist_.setZero();
 }
 

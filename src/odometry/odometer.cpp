@@ -48,8 +48,8 @@ double displacement(const MotionPrior& prior, double range) {
 }
 
 Observed observed(const Attempt& attempt, double variance) {
-  return scanlock::observed(attempt.alignment.information.topLeftCorner<6, 6>() / variance,
-                            attempt.alignment.noise / variance, pose_covariance(attempt.prior));
+  return scanlock::observed(attempt.alignment.pose_information / variance, attempt.alignment.noise / variance,
+                            pose_covariance(attempt.prior));
 }
 
 /// Where the alignment mistook errors of normals for what holds the robot, the prediction says the rest.
@@ -60,17 +60,28 @@ ScanAlignment corrected(const Attempt& attempt, const Observed& seen) {
   result.moving.pose =
       predicted.pose * se3_exp(seen.motion * se3_log(predicted.pose.inverse() * alignment.moving.pose));
   result.moving.twist = predicted.twist + seen.motion * (alignment.moving.twist - predicted.twist);
+  result.moving.acceleration = seen.motion * alignment.moving.acceleration;
   Matrix12 both = Matrix12::Zero();
   both.topLeftCorner<6, 6>() = both.bottomRightCorner<6, 6>() = seen.information;
   result.information = both.transpose() * alignment.information * both;
   return result;
 }
 
+/// A velocity along z, about x or y that changes at a rate a while a scan of T seconds is taken is a straight
+/// line to the alignment; at the ends of the scan, where its stamp is, that line is off by a T^2 / 12.
+Vector6 unsolved_bend(const MovingPose& before, const ScanAlignment& now, double dt) {
+  Vector6 bend = Vector6::Zero();
+  if (!(dt > 0)) return bend;
+  for (const int axis : kSwinging)
+    bend[axis] = (now.moving.twist[axis] - before.twist[axis]) / dt * (now.sweep_s * now.sweep_s / 12);
+  return bend;
+}
+
 }  // namespace
 
 std::uint32_t Attempt::open_axes() const {
-  return scanlock::open_axes(alignment.information.topLeftCorner<6, 6>() / variance,
-                             alignment.noise / variance, pose_covariance(prior));
+  return scanlock::open_axes(alignment.pose_information / variance, alignment.noise / variance,
+                             pose_covariance(prior));
 }
 
 Matrix6 Attempt::information() const {
@@ -222,10 +233,8 @@ void Odometer::accept(const Attempt& attempt) {
   prior.mean = attempt.told.value_or(prior.mean);
   filter_.update(prior, real, variance());
   follow_drift(before.pose);
-  const double dt = attempt.prior.ahead_s, sweep = real.sweep_s;
-  bend_.setZero();
   // The velocity before the first alignment is a guess.
-  if (dt > 0 && health_.has_history()) bend_ = (real.moving.twist - before.twist) / dt * (sweep * sweep / 12);
+  bend_ = health_.has_history() ? unsolved_bend(before, real, attempt.prior.ahead_s) : Vector6::Zero();
   const Matrix12& covariance = filter_.covariance();
   measured_ = (covariance * (real.information / variance()) * covariance).topLeftCorner<6, 6>();
   measured_.diagonal() += bend_.cwiseAbs2();
@@ -248,12 +257,18 @@ void Odometer::set_pose(const Pose& map_from_body) {
   new_drift_.setZero();
 }
 
-/// A velocity that changes at a rate a while a scan of T seconds is taken is a straight line to the
-/// alignment; at the ends of the scan, where its stamp is, that line is off by a T^2 / 12.
 Matrix6 Odometer::pose_covariance() const {
   Matrix6 result = errors_.covariance().topLeftCorner<6, 6>();
   result.diagonal() += bend_.cwiseAbs2();
   return result;
+}
+
+/// Within a scan a body accelerates about as it did lately.
+MotionPrior Odometer::as_lately(MotionPrior prior) const {
+  prior.acceleration_variance.head<3>() *= std::min(errors_.linear_share(), 1.0);
+  prior.acceleration_variance.tail<3>() *= std::min(errors_.angular_share(), 1.0);
+  prior.acceleration_variance = prior.acceleration_variance.cwiseMax(kStraight);
+  return prior;
 }
 
 void Odometer::follow_drift(const Pose& before) {
@@ -281,7 +296,7 @@ void Odometer::insert(std::int64_t utime, const PreparedScan& scan, const Moving
   Keyframe keyframe;
   keyframe.utime = utime;
   keyframe.map_from_body = moving.pose;
-  keyframe.points = deskewed(scan.fine, moving.twist);
+  keyframe.points = deskewed(scan.fine, moving);
   // Ground that is new lies where the scan was seen from, as well as that was known: from now on that share
   // of the pose's error is one of the map.
   const double share = map_.insert(std::move(keyframe), scan.voxel);

@@ -89,8 +89,8 @@ class Odometer {
   /// At rest there, the velocity unknown.
   void set_pose(const Pose& map_from_body);
 
-  MotionPrior predict(double dt) const { return filter_.predict(dt); }
-  MotionPrior predict(double dt, const Pose& motion) const { return filter_.predict(dt, motion); }
+  MotionPrior predict(double dt) const { return as_lately(filter_.predict(dt)); }
+  MotionPrior predict(double dt, const Pose& motion) const { return as_lately(filter_.predict(dt, motion)); }
   Attempt align(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
   /// The same with the far reach; of a planar scan, and after a gap, from other headings as well, where that
   /// does not explain it as well as usual.
@@ -143,6 +143,7 @@ class Odometer {
   void insert(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving);
   bool wants_keyframe(double overlap, double voxel) const;
   void follow_drift(const Pose& before);
+  MotionPrior as_lately(MotionPrior prior) const;
   void add_drift(const Matrix6& more);
 
   TrackerConfig config_;
@@ -160,7 +161,7 @@ class Odometer {
   Pose last_keyframe_pose_ = Pose::Identity();
   Keyframe first_;  ///< its points as they came, until their motion is known
   Matrix6 drift_ = Matrix6::Zero(), new_drift_ = Matrix6::Zero();
-  Vector6 bend_ = Vector6::Zero();  ///< see pose_covariance()
+  Vector6 bend_ = Vector6::Zero();  ///< see unsolved_bend()
   /// Of the last pose against the map, as far as a scan told it: what new ground is seen with.
   Matrix6 measured_ = Matrix6::Zero();
   double untold_ = 0;  ///< share of the map that was seen before any pose was measured

@@ -28,7 +28,7 @@ Sighting sighting(std::int64_t utime, const PreparedScan& scan, const MovingPose
 double contradiction(const Sighting& before, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& now) {
   if (before.rays.empty() || scan.rays.empty() || utime - before.utime > kComparable) return 0;
-  const Vector6 change = now.twist - before.twist;
+  const MovingPose change{Pose::Identity(), now.twist - before.twist};
   const Pose before_from_now = before.map_from_body.inverse() * now.pose;
   const ScanView then_view(before.rays), now_view(deskewed(scan.rays, change));
   return std::max(then_view.contradicted_share(deskewed(scan.source, change), before_from_now, now_view),

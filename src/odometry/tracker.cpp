@@ -243,8 +243,8 @@ struct Tracker::State {
     }
     odometer.keep(now, scan, attempt.health.share);
     if (archive.wants(now, last_trusted.map_from_body.translation(), scan.median_range))
-      archive.add(now, last_trusted.map_from_body, scan.median_range,
-                  deskewed(scan.source, odometer.state().twist), tie());
+      archive.add(now, last_trusted.map_from_body, scan.median_range, deskewed(scan.source, odometer.state()),
+                  tie());
     archive.note_stand(last_trusted.map_from_body);
   }
 

@@ -11,6 +11,7 @@
 
 #include "../odometry/room.hpp"
 #include "geometry/angles.hpp"
+#include "icp/scan_motion.hpp"
 
 namespace scanlock {
 namespace {
@@ -64,6 +65,52 @@ TEST_CASE("pose and velocity of a sweep are solved from one scan") {
   CHECK((found.moving.twist - twist).head<3>().norm() < 0.05);
   CHECK((found.moving.twist - twist).tail<3>().norm() < 0.02);
   CHECK(found.searches_saved > found.searches_made);
+}
+
+TEST_CASE("the acceleration within a sweep is solved from one scan where a body may have one") {
+  Hall hall;
+  Vector6 twist, acceleration, start;
+  twist << 3.0, -0.5, 0.2, 0.1, -0.1, 1.5;
+  acceleration << -8.0, 4.0, 2.0, 3.0, -2.0, 12.0;
+  start << 0.1, -0.05, 0.02, 0.01, -0.01, 0.03;
+  for (const double stamp : {0.0, 0.05, 0.1}) {  // seconds after the first point
+    CAPTURE(stamp);
+    Scan scan = hall_scan(se3_exp(start), Vector6::Zero(), 0, 8);
+    PointCloud& points = scan.points;
+    for (float& t : points.time) t -= static_cast<float>(stamp);
+    const auto [first, last] = std::minmax_element(points.time.begin(), points.time.end());
+    const double middle = 0.5 * (*first + *last);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double t = points.time[i];
+      const Eigen::Vector3d p =
+          se3_exp(-(t * twist + bend_at(t, middle) * acceleration)) * points.point(i).cast<double>();
+      points.x[i] = static_cast<float>(p.x());
+      points.y[i] = static_cast<float>(p.y());
+      points.z[i] = static_cast<float>(p.z());
+    }
+    ScanAlignmentOptions options;
+    options.max_iterations = 60;
+    options.tolerance = 1e-5;
+    MotionPrior free = weak_prior();
+    free.acceleration_variance.setConstant(1e4);
+    const ScanAlignment found = ScanAligner().align(points, hall.target(), free, options);
+    const double off = se3_log(se3_exp(start).inverse() * found.moving.pose).norm();
+    CHECK(off < 5e-3);
+    CHECK((found.moving.twist - twist).norm() < 0.05);
+    CHECK((found.moving.acceleration - acceleration).norm() < 2.0);
+    CHECK(found.moving.middle_s == doctest::Approx(middle).epsilon(1e-3));
+    const MovingPose truth{Pose::Identity(), twist, acceleration, middle};
+    for (const std::size_t i : {std::size_t{0}, points.size() / 2, points.size() - 1})
+      CHECK((deskewed(points, found.moving).point(i) - deskewed(points, truth).point(i)).norm() < 0.02f);
+
+    const ScanAlignment steady = ScanAligner().align(points, hall.target(), weak_prior(), options);
+    CHECK(steady.moving.acceleration.norm() < 1e-3);
+    CHECK(se3_log(se3_exp(start).inverse() * steady.moving.pose).norm() > 2 * off);
+    // What is not known of the acceleration is known less of the pose.
+    const Matrix6 with = inverse(found.information).topLeftCorner<6, 6>(),
+                  without = inverse(steady.information).topLeftCorner<6, 6>();
+    for (int k = 0; k < 6; ++k) CHECK(with(k, k) > 1.05 * without(k, k));
+  }
 }
 
 TEST_CASE("a strong prior holds what the data contradict and a weak one lets go") {

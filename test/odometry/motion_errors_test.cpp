@@ -72,7 +72,7 @@ struct FilteredDrive {
     Vector12 e = seen;
     for (int round = 0; round < 200; ++round) {  // where both gradients are zero
       const Matrix12 held = prior_weight(e.dot(prior.information * e)) * prior.information;
-      e = 0.5 * (e + solve(Matrix12(data / assumed + held), Vector12(data / assumed * seen)));
+      e = 0.5 * (e + inverse(Matrix12(data / assumed + held)) * (data / assumed * seen));
     }
     alignment.moving = {prior.mean.pose * se3_exp(e.head<6>()), prior.mean.twist + e.tail<6>()};
     errors.update(prior, alignment, kAll, assumed, alignment.moving);
