@@ -13,6 +13,10 @@ Vector6 solve(const Matrix6& a, const Vector6& b) {
   return a.ldlt().solve(b);
 }
 
+Vector12 solve(const Matrix12& a, const Vector12& b) {
+  return a.ldlt().solve(b);
+}
+
 Vector18 solve(const Matrix18& a, const Vector18& b) {
   return a.ldlt().solve(b);
 }

@@ -16,6 +16,7 @@ using Matrix18 = Eigen::Matrix<double, 18, 18>;
 
 /// The solution of a x = b for a positive definite a (LDLT).
 Vector6 solve(const Matrix6& a, const Vector6& b);
+Vector12 solve(const Matrix12& a, const Vector12& b);
 Vector18 solve(const Matrix18& a, const Vector18& b);
 /// The inverse of a positive definite matrix (LDLT).
 Matrix12 inverse(const Matrix12& a);

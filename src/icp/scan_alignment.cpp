@@ -29,7 +29,7 @@ constexpr double kLeastCurvature = 0.05;
 }  // namespace
 
 /// State x = [log(prior^-1 pose); (twist - prior twist) * T; acceleration * T^2 / 8], T the duration of the
-/// scan: all in metres and radians.
+/// scan: all in metres and radians. A scan without times shows no acceleration: its state ends before it.
 struct ScanAligner::Workspace final : DescentProblem {
   // Inputs of the alignment under way; set by begin().
   const PointCloud* source = nullptr;
@@ -69,21 +69,25 @@ struct ScanAligner::Workspace final : DescentProblem {
     arm = n > 0 ? std::max(sum / static_cast<double>(n), 0.1) : 1.0;
   }
 
+  int unknowns() const { return motion.still() ? 12 : 18; }
+
   double gate() const { return 3.0 * nu + options->gate_margin; }
 
   MovingPose moving(const StateVector& state) const {
-    return {prior->mean.pose * se3_exp(state.head<6>()), prior->mean.twist + state.segment<6>(6) / duration,
-            state.tail<6>() * (8 / (duration * duration)), motion.middle()};
+    MovingPose result{prior->mean.pose * se3_exp(state.head<6>()),
+                      prior->mean.twist + state.segment<6>(6) / duration, Vector6::Zero(), motion.middle()};
+    if (!motion.still()) result.acceleration = state.tail<6>() * (8 / (duration * duration));
+    return result;
   }
 
   double evaluate(const StateVector& state) override {
     x = state.head<6>();
-    twist = prior->mean.twist + state.segment<6>(6) / duration;
-    acceleration = state.tail<6>() * (8 / (duration * duration));
-    motion.set_motion(twist, acceleration, motion.middle());
-    const Pose pose = prior->mean.pose * se3_exp(x);
-    const Eigen::Matrix3f rotation = pose.linear().cast<float>();
-    const Eigen::Vector3f translation = pose.translation().cast<float>();
+    const MovingPose there = moving(state);
+    twist = there.twist;
+    acceleration = there.acceleration;
+    motion.set_motion(twist, acceleration, there.middle_s);
+    const Eigen::Matrix3f rotation = there.pose.linear().cast<float>();
+    const Eigen::Vector3f translation = there.pose.translation().cast<float>();
     const std::size_t n = source->size();
     for (std::size_t i = 0; i < n; ++i) {
       const Eigen::Vector3f w = rotation * motion.at_stamp(i, source->point(i)) + translation;
@@ -308,11 +312,15 @@ struct ScanAligner::Workspace final : DescentProblem {
     to_error.topLeftCorner<6, 6>() = inverse(se3_left_jacobian(x));
     hessian += scale * to_error.transpose() * held * to_error;
     gradient += scale * to_error.transpose() * (held * e);
-    const Vector18 step = -solve(hessian, gradient);
-    StateVector state(18);
-    state << se3_log(se3_exp(step.head<6>()) * se3_exp(x)),
-        (twist - prior->mean.twist + step.segment<6>(6)) * duration,
-        (acceleration + step.tail<6>()) * (0.125 * duration * duration);
+    Vector18 step = Vector18::Zero();
+    if (motion.still())
+      step.head<12>() = -solve(Matrix12(hessian.topLeftCorner<12, 12>()), Vector12(gradient.head<12>()));
+    else
+      step = -solve(hessian, gradient);
+    StateVector state(unknowns());
+    state.head<6>() = se3_log(se3_exp(step.head<6>()) * se3_exp(x));
+    state.segment<6>(6) = (twist - prior->mean.twist + step.segment<6>(6)) * duration;
+    if (!motion.still()) state.tail<6>() = (acceleration + step.tail<6>()) * (0.125 * duration * duration);
     return state;
   }
 
@@ -320,8 +328,8 @@ struct ScanAligner::Workspace final : DescentProblem {
     const StateVector d = b - a;
     const double pose = d.head<3>().norm() + arm * d.segment<3>(3).norm();
     const double velocity = d.segment<3>(6).norm() + arm * d.segment<3>(9).norm();
-    const double bend = d.segment<3>(12).norm() + arm * d.segment<3>(15).norm();
-    return motion.still() ? pose : pose + 0.5 * velocity + bend;
+    if (motion.still()) return pose;
+    return pose + 0.5 * velocity + d.segment<3>(12).norm() + arm * d.segment<3>(15).norm();
   }
 
   double median_absolute_residual() const {
@@ -354,7 +362,7 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
                                  const MotionPrior& prior, const ScanAlignmentOptions& options) {
   Workspace& work = *workspace_;
   work.begin(source, target, prior, options);
-  StateVector x = StateVector::Zero(18);
+  StateVector x = StateVector::Zero(work.unknowns());
   work.nu = options.nu_max;
   work.evaluate(x);
   // Section 5: the first scale is three times the median residual at the start. Where most points lie on the

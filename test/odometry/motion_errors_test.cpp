@@ -107,7 +107,26 @@ double normalised_error(double assumed, double share) {
   return sum / count;
 }
 
+/// That of the linear acceleration at the end of a drive, the mean over drives.
+double linear_share(double share) {
+  double sum = 0;
+  const int drives = 40;
+  for (int d = 0; d < drives; ++d) {
+    FilteredDrive drive(static_cast<unsigned>(d + 1));
+    for (int k = 0; k < 40; ++k) drive.step(strong_data(), 1e-3, 1e-3, share);
+    sum += drive.errors.linear_share() / drives;
+  }
+  return sum;
+}
+
 }  // namespace
+
+TEST_CASE("the share of the acceleration that was there lately is told") {
+  CHECK(MotionErrors().linear_share() == 1);  // nothing is known
+  CHECK(MotionErrors().angular_share() == 1);
+  CHECK(linear_share(0.5) == doctest::Approx(0.5).epsilon(0.2));
+  CHECK(linear_share(0.01) < 0.1);
+}
 
 TEST_CASE("the covariance is that of the errors, whatever the filter takes for granted" *
           doctest::test_suite("many trials")) {
