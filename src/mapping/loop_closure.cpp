@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "mapping/loop_closure.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <limits>
 #include <utility>
@@ -10,6 +11,8 @@
 
 namespace scanlock {
 namespace {
+
+constexpr std::size_t kMostAround = 20;  // keyframes that make one side of a closure: a cap on its cost
 
 constexpr double kStill = 1e8;     // information of a velocity of 0: archived points were seen at one instant
 constexpr double kNothing = 1e-6;  // information along what no surface holds: it stays invertible
@@ -29,9 +32,8 @@ Matrix6 with_floor(const Matrix6& covariance) {
   return covariance + kPoseFloor * kPoseFloor * Matrix6::Identity();
 }
 
-Attempt align(const ClosureRequest& request, const std::vector<ArchivedKeyframe>& map,
+Attempt align(const ClosureRequest& request, const std::vector<ArchivedKeyframe>& map, const Pose& expected,
               const Matrix6& covariance, const TrackerConfig& config) {
-  const Pose& expected = request.keyframe.map_from_body;
   Odometer odometer(config);
   odometer.set_planar(request.planar);
   odometer.reload(map, {expected.translation()}, request.voxel);
@@ -43,13 +45,31 @@ Attempt align(const ClosureRequest& request, const std::vector<ArchivedKeyframe>
   return odometer.look_far(prepared(request), prior);
 }
 
-/// The closure of the keyframe with `nearest`; none where it is not found.
-std::optional<Constraint> find_closure(const ClosureRequest& request, const Matrix6& covariance,
-                                       const TrackerConfig& config, std::string* reason) {
-  const Attempt here = align(request, request.recent, Matrix6::Zero(), config);
-  const Attempt there = align(request, request.earlier, covariance, config);
+}  // namespace
+
+std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position, double reach,
+                                         const std::vector<ArchivedKeyframe>& keyframes) {
+  const auto distance = [&](const ArchivedKeyframe& k) {
+    return (k.map_from_body.translation() - position).norm();
+  };
+  std::vector<ArchivedKeyframe> near;
+  for (const ArchivedKeyframe& k : keyframes)
+    if (distance(k) <= reach) near.push_back(k);
+  std::stable_sort(near.begin(), near.end(), [&](const ArchivedKeyframe& a, const ArchivedKeyframe& b) {
+    return distance(a) < distance(b);
+  });
+  near.resize(std::min(near.size(), kMostAround));
+  return near;
+}
+
+std::optional<Constraint> find_closure(const ClosureRequest& request, const Pose& expected,
+                                       const Matrix6& covariance, const TrackerConfig& config,
+                                       std::string* reason) {
+  const Attempt here =
+      align(request, request.recent, request.keyframe.map_from_body, Matrix6::Zero(), config);
+  const Attempt there = align(request, request.earlier, expected, covariance, config);
   const Pose& found = there.alignment.moving.pose;
-  const Vector6 moved = se3_log(request.keyframe.map_from_body.inverse() * found);
+  const Vector6 moved = se3_log(expected.inverse() * found);
   const double gap = moved.dot(inverse(with_floor(covariance)) * moved);
   char text[160];
   std::snprintf(
@@ -76,21 +96,20 @@ std::optional<Constraint> find_closure(const ClosureRequest& request, const Matr
   return closure;
 }
 
-/// Whether two closures say the same of how the two visits lie to each other, as far as they and the ways
-/// between them are known.
-bool agree(const PoseGraph& graph, const Constraint& a, const Constraint& b) {
-  const std::map<std::uint32_t, Pose>& at = graph.nodes();
-  const Pose a_from_b = at.at(a.to).inverse() * at.at(b.to);           // this visit
-  const Pose from_a_from_b = at.at(a.from).inverse() * at.at(b.from);  // the earlier one
+bool agree(const PoseGraph& earlier_visit, const PoseGraph& this_visit, const Constraint& a,
+           const Constraint& b) {
+  const auto between = [](const PoseGraph& graph, std::uint32_t from, std::uint32_t to) -> Pose {
+    return graph.nodes().at(from).inverse() * graph.nodes().at(to);
+  };
+  const Pose a_from_b = between(this_visit, a.to, b.to);
+  const Pose from_a_from_b = between(earlier_visit, a.from, b.from);
   const Vector6 apart = se3_log(b.from_to.inverse() * from_a_from_b.inverse() * a.from_to * a_from_b);
   const Matrix6 recent = adjoint(a_from_b.inverse()), earlier = adjoint(b.from_to.inverse());
   const Matrix6 covariance = recent * inverse(a.information) * recent.transpose() + inverse(b.information) +
-                             graph.covariance(a.to, b.to) +
-                             earlier * graph.covariance(a.from, b.from) * earlier.transpose();
+                             this_visit.covariance(a.to, b.to) +
+                             earlier * earlier_visit.covariance(a.from, b.from) * earlier.transpose();
   return apart.dot(inverse(covariance) * apart) < kOnceInThousand;
 }
-
-}  // namespace
 
 bool is_worthwhile(const Matrix6& covariance, const Matrix6& usual_information) {
   const Matrix6 half = cholesky(covariance);
@@ -109,13 +128,14 @@ ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& con
     answer.outcome = ClosureOutcome::kKnown;
     return answer;
   }
-  const std::optional<Constraint> closure = find_closure(request, answer.covariance, config, &answer.reason);
+  const std::optional<Constraint> closure =
+      find_closure(request, request.keyframe.map_from_body, answer.covariance, config, &answer.reason);
   if (!closure) return answer;
   answer.closure = *closure;
   answer.outcome = ClosureOutcome::kPending;
   const std::optional<Constraint>& before = request.pending;
   const bool there = before && request.graph.contains(before->from) && request.graph.contains(before->to);
-  if (!there || !agree(request.graph, *before, *closure)) return answer;
+  if (!there || !agree(request.graph, request.graph, *before, *closure)) return answer;
   answer.outcome = ClosureOutcome::kAccepted;
   PoseGraph graph = request.graph;
   graph.connect(*before);

@@ -17,6 +17,11 @@ namespace scanlock {
 /// Node of the map's frame in the graph; keyframes have greater numbers.
 inline constexpr std::uint32_t kOriginNode = 0;
 
+/// Those within `reach` metres of a position, the nearest first; as many as one side of a closure is made
+/// from.
+std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position, double reach,
+                                         const std::vector<ArchivedKeyframe>& keyframes);
+
 /// A keyframe to be aligned with what an earlier visit saw there, and the graph to be optimised by it. A
 /// value: it can be worked on by another thread while the tracker goes on.
 struct ClosureRequest {
@@ -60,6 +65,16 @@ struct ClosureAnswer {
 /// covariances allow in all but one of a thousand; accepted when the one before says the same of how the two
 /// visits lie to each other.
 ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& config);
+
+/// The closure of the keyframe with `nearest`, where it is `expected` (frame of the earlier keyframes) to
+/// within a covariance; none where it is not found. `reason`: what was found, in words.
+std::optional<Constraint> find_closure(const ClosureRequest& request, const Pose& expected,
+                                       const Matrix6& covariance, const TrackerConfig& config,
+                                       std::string* reason);
+/// Whether two closures say the same of how the two visits lie to each other, as far as they and the ways
+/// between them are known.
+bool agree(const PoseGraph& earlier_visit, const PoseGraph& this_visit, const Constraint& a,
+           const Constraint& b);
 
 /// Whether there is a direction in which a closure with the usual information would say more than is known.
 bool is_worthwhile(const Matrix6& covariance, const Matrix6& usual_information);

@@ -13,44 +13,39 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kMostAround = 20;  // keyframes that make one side of a closure: a cap on its cost
+constexpr std::size_t kMostFinds = 5;  // that a join is remembered by: a cap on its cost
 constexpr auto kTrail = static_cast<std::uint32_t>(1 / kPlaceSpacing);  // keyframes of one reach of way
 constexpr int kFewSteps = 4;                                            // constraints of a way
 constexpr double kJumpMetres = 0.05, kJumpRadians = 0.5 * kDegree;      // more is told as a new epoch
-
-std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position,
-                                         std::vector<ArchivedKeyframe> some) {
-  std::stable_sort(some.begin(), some.end(), [&](const ArchivedKeyframe& a, const ArchivedKeyframe& b) {
-    return (a.map_from_body.translation() - position).squaredNorm() <
-           (b.map_from_body.translation() - position).squaredNorm();
-  });
-  some.resize(std::min(some.size(), kMostAround));
-  return some;
-}
 
 }  // namespace
 
 MapAnswer MapWorker::work(const MapRequest& request) {
   if (const auto* recovery = std::get_if<RecoveryRequest>(&request)) return finder_.find(*recovery);
+  if (const auto* join = std::get_if<JoinRequest>(&request)) return join_submaps(*join, finder_, config_);
   return close_loop(std::get<ClosureRequest>(request), config_);
 }
 
 TrackedScan Mapper::track(const Scan& scan, const ScanPrior& prior) {
   TrackedScan tracked = tracker_.track(scan, prior);
+  scans_ += tracker_.on_known_ground() ? 1 : 0;
+  const bool found = tracked.recovery && tracked.recovery->accepted;
+  if (tracker_.submap() != submap_) begin_submap();
+  if (found) return_to_submap(&tracked);
   follow_archive();
   tracked.loop_closures = closures_;
-  if (history_ && !graph_.nodes().empty()) {
-    const auto& [newest, pose] = *graph_.nodes().rbegin();
+  if (history_ && !active_.graph.nodes().empty()) {
+    const auto& [newest, pose] = *active_.graph.nodes().rbegin();
     tracked.stamp = history_->stamp(newest, pose);
   }
-  if (tracked.recovery && tracked.recovery->accepted) {
+  if (found) {
     pending_.reset();
     last_revisit_.reset();
     const ArchivedKeyframe& nearest = tracker_.archive().nearest(tracker_.own_from_body().translation());
     if (tracker_.archive().is_fixed(nearest.id))
       tracker_.set_drift(Matrix6::Zero());
-    else if (graph_.contains(nearest.id))
-      tracker_.set_drift(seen_from_robot(nearest.id, graph_.covariance(kOriginNode, nearest.id)));
+    else if (active_.graph.contains(nearest.id))
+      tracker_.set_drift(seen_from_robot(nearest.id, active_.graph.covariance(kOriginNode, nearest.id)));
   }
   if (correction_ && !tracked.recovery) {
     correction_->map_from_body = tracked.map_from_body;
@@ -58,6 +53,50 @@ TrackedScan Mapper::track(const Scan& scan, const ScanPrior& prior) {
     tracked.recovery = std::exchange(correction_, std::nullopt);
   }
   return tracked;
+}
+
+/// The submap that the robot was in is one of the others from now on. The archive has moved those away.
+void Mapper::begin_submap() {
+  submap_ = tracker_.submap();
+  active_.own_from_map = tracker_.map_from_own().inverse();
+  others_.push_back(std::exchange(active_, Submap()));
+  for (Submap& other : others_) other.own_from_map.translation().x() -= kSubmapsApart;
+  forget_revisits();
+}
+
+/// Where the robot was found may be in another submap than the one in which it was lost.
+void Mapper::return_to_submap(TrackedScan* tracked) {
+  const Eigen::Vector3d here = tracker_.own_from_body().translation();
+  const ArchivedKeyframe* nearest = nullptr;
+  for (const ArchivedKeyframe& k : tracker_.archive().keyframes()) {
+    const auto distance = [&](const ArchivedKeyframe& a) {
+      return (a.map_from_body.translation() - here).norm();
+    };
+    if (k.id < known_ && (!nearest || distance(k) < distance(*nearest))) nearest = &k;
+  }
+  if (!nearest || active_.graph.contains(nearest->id)) return;
+  const std::optional<std::size_t> place = submap_of(nearest->id, others_);
+  if (!place) return;
+  const Pose before = tracker_.map_from_own();
+  active_.own_from_map = before.inverse();
+  std::swap(active_, others_[*place]);
+  const Pose now = active_.own_from_map.inverse();
+  tracker_.set_map_from_own(now);
+  forget_revisits();
+  tracked->map_from_body = now * tracker_.own_from_body();
+  tracked->recovery->map_from_body = tracked->map_from_body;
+  tracked->recovery->map_from_predicted =
+      renormalised(now * before.inverse() * tracked->recovery->map_from_predicted);
+}
+
+void Mapper::forget_revisits() {
+  ++serial_;  // an answer to come is of another submap
+  pending_.reset();
+  last_revisit_.reset();
+  revisits_.clear();
+  finds_.clear();
+  elsewhere_.begin(std::nullopt);
+  elsewhere_.begin_anew();
 }
 
 /// Keyframes that the archive has added become nodes, and those that it has dropped leave.
@@ -75,12 +114,12 @@ void Mapper::follow_archive() {
 /// To the keyframe before, to the map's frame where that is fixed, or where there is none.
 void Mapper::connect_odometry(const ArchivedKeyframe& keyframe) {
   const Pose map_from_keyframe = tracker_.map_from_own() * keyframe.map_from_body;
-  graph_.add(kOriginNode, Pose::Identity());
-  graph_.add(keyframe.id, map_from_keyframe);
+  active_.graph.add(kOriginNode, Pose::Identity());
+  active_.graph.add(keyframe.id, map_from_keyframe);
   Constraint tie;
   if (keyframe.tie) tie = *keyframe.tie;
-  if (keyframe.tie && graph_.contains(tie.from)) {
-    graph_.connect(tie);
+  if (keyframe.tie && active_.graph.contains(tie.from)) {
+    active_.graph.connect(tie);
     return;
   }
   const ArchivedKeyframe* before = keyframe.tie ? tracker_.archive().find(tie.from) : nullptr;
@@ -92,18 +131,24 @@ void Mapper::connect_odometry(const ArchivedKeyframe& keyframe) {
   }
   tie.from = kOriginNode;
   tie.to = keyframe.id;
-  graph_.connect(tie);
+  active_.graph.connect(tie);
 }
 
 void Mapper::drop_evicted() {
-  std::vector<std::uint32_t> gone;
-  for (const auto& [id, pose] : graph_.nodes()) {
-    if (id != kOriginNode && !tracker_.archive().find(id)) gone.push_back(id);
-  }
-  for (const std::uint32_t id : gone) {
-    if (history_) history_->remove(id, graph_.nodes().at(id));
-    graph_.remove(id);
-  }
+  const auto drop = [&](PoseGraph& graph) {
+    std::vector<std::uint32_t> gone;
+    for (const auto& [id, pose] : graph.nodes()) {
+      if (id != kOriginNode && !tracker_.archive().find(id)) gone.push_back(id);
+    }
+    for (const std::uint32_t id : gone) {
+      if (history_) history_->remove(id, graph.nodes().at(id));
+      graph.remove(id);
+    }
+  };
+  drop(active_.graph);
+  for (Submap& other : others_) drop(other.graph);
+  const auto is_empty = [](const Submap& other) { return !other.fixed && other.graph.nodes().size() < 2; };
+  others_.erase(std::remove_if(others_.begin(), others_.end(), is_empty), others_.end());
 }
 
 /// Keyframes that lie a reach behind the robot take the place of those of an earlier visit. Not while a
@@ -121,17 +166,19 @@ void Mapper::renew_places() {
 void Mapper::renew(std::uint32_t id, const Revisit& revisit) {
   const ArchivedKeyframe* newer = tracker_.archive().find(id);
   const ArchivedKeyframe* old = tracker_.archive().find(revisit.nearest_keyframe);
-  if (!newer || !old || !graph_.contains(id) || !graph_.contains(revisit.nearest)) return;
+  if (!newer || !old || !active_.graph.contains(id) || !active_.graph.contains(revisit.nearest)) return;
   const double apart = (newer->map_from_body.translation() - old->map_from_body.translation()).norm();
   const double unsure = 3 * std::sqrt(revisit.covariance.diagonal().head<3>().maxCoeff());
   if (std::max(apart, unsure) > kSameSpot * static_cast<double>(newer->reach)) return;
   if (tracker_.archive().is_fixed(old->id)) {
-    if (history_) history_->remove(id, graph_.nodes().at(id));
-    graph_.remove(id);
+    if (history_) history_->remove(id, active_.graph.nodes().at(id));
+    active_.graph.remove(id);
     tracker_.remove(id);
   } else {
-    if (history_) history_->renew(old->id, id, graph_.nodes().at(old->id).inverse() * graph_.nodes().at(id));
-    graph_.renew(old->id, id, revisit.covariance);
+    if (history_)
+      history_->renew(old->id, id,
+                      active_.graph.nodes().at(old->id).inverse() * active_.graph.nodes().at(id));
+    active_.graph.renew(old->id, id, revisit.covariance);
     tracker_.renew(old->id, id);
     for (auto& [other, at] : revisits_) {
       if (at.nearest == id) at.nearest = at.nearest_keyframe = revisit.nearest;
@@ -148,6 +195,8 @@ std::optional<MapRequest> Mapper::take_request() {
     request = std::move(*recovery);
   } else if (auto closure = closure_request()) {
     request = std::move(*closure);
+  } else if (auto join = join_request()) {
+    request = std::move(*join);
   }
   out_ = request.has_value();
   return request;
@@ -158,19 +207,10 @@ std::optional<ClosureRequest> Mapper::closure_request() {
   const std::vector<ArchivedKeyframe>& keyframes = tracker_.archive().keyframes();
   if (keyframes.empty() || !tracker_.on_known_ground()) return std::nullopt;
   const ArchivedKeyframe& newest = keyframes.back();
-  if (considered_ == newest.id || !graph_.contains(newest.id)) return std::nullopt;
+  if (considered_ == newest.id || !active_.graph.contains(newest.id)) return std::nullopt;
   considered_ = newest.id;
-  const Eigen::Vector3d here = newest.map_from_body.translation();
-  const std::int64_t since = tracker_.local_map_utime();
-  ClosureRequest request;
-  for (const ArchivedKeyframe& k : keyframes) {
-    const double distance = (k.map_from_body.translation() - here).norm();
-    if (k.id == newest.id || distance > static_cast<double>(newest.reach)) continue;
-    (k.utime < since ? request.earlier : request.recent).push_back(k);
-  }
+  ClosureRequest request = request_around(newest);
   if (request.earlier.empty() || request.recent.empty()) return std::nullopt;
-  request.earlier = nearest_to(here, std::move(request.earlier));
-  request.recent = nearest_to(here, std::move(request.recent));
   const ArchivedKeyframe& nearest = request.earlier.front();
   const bool fixed = tracker_.archive().is_fixed(nearest.id);
   request.nearest = fixed ? kOriginNode : nearest.id;
@@ -180,14 +220,48 @@ std::optional<ClosureRequest> Mapper::closure_request() {
   // Keyframes within a reach see the same surfaces: their closures share their errors, and say little more.
   if (!pending_ && newest.id < asked_ + kTrail) return std::nullopt;
   asked_ = newest.id;
-  request.graph = graph_;
-  request.serial = ++serial_;
-  request.keyframe = newest;
+  request.graph = active_.graph;
   request.pending = pending_;
   request.usual_information = usual_information_;
+  return request;
+}
+
+/// A keyframe of the active submap, and what is around it there.
+ClosureRequest Mapper::request_around(const ArchivedKeyframe& keyframe) {
+  const Eigen::Vector3d here = keyframe.map_from_body.translation();
+  const std::int64_t since = tracker_.local_map_utime();
+  std::vector<ArchivedKeyframe> earlier, recent;
+  for (const ArchivedKeyframe& k : tracker_.archive().keyframes())
+    if (k.id != keyframe.id) (k.utime < since ? earlier : recent).push_back(k);
+  const auto reach = static_cast<double>(keyframe.reach);
+  ClosureRequest request;
+  request.earlier = nearest_to(here, reach, earlier);
+  request.recent = nearest_to(here, reach, recent);
+  request.serial = ++serial_;
+  request.keyframe = keyframe;
   request.voxel = tracker_.voxel();
   request.planar = tracker_.planar();
   request.usual = tracker_.usual();
+  return request;
+}
+
+/// For the newest keyframe, where there are other submaps.
+std::optional<JoinRequest> Mapper::join_request() {
+  const std::vector<ArchivedKeyframe>& keyframes = tracker_.archive().keyframes();
+  if (others_.empty() || keyframes.empty() || !tracker_.on_known_ground()) return std::nullopt;
+  const ArchivedKeyframe& newest = keyframes.back();
+  if (joined_ == newest.id || !active_.graph.contains(newest.id)) return std::nullopt;
+  joined_ = newest.id;
+  const Surroundings seen{tracker_.local_map(), tracker_.own_from_body(), scans_, std::nullopt};
+  const KeyframeArchive elsewhere = tracker_.archive().without(active_.graph.nodes());
+  std::optional<RecoveryRequest> search = elsewhere_.next(newest.utime, seen, elsewhere, std::nullopt);
+  if (!search) return std::nullopt;
+  JoinRequest request;
+  request.search = std::move(*search);
+  request.closure = request_around(newest);
+  request.active = active_;
+  request.others = others_;
+  request.finds = finds_;
   return request;
 }
 
@@ -195,12 +269,14 @@ std::optional<ClosureRequest> Mapper::closure_request() {
 /// there.
 bool Mapper::is_known(Revisit revisit) {
   if (pending_ || !last_revisit_) return false;
-  const std::optional<Constraint> earlier = graph_.way(revisit.nearest, last_revisit_->nearest, kFewSteps),
-                                  recent = graph_.way(last_revisit_->keyframe, revisit.keyframe, kFewSteps);
+  const std::optional<Constraint> earlier =
+                                      active_.graph.way(revisit.nearest, last_revisit_->nearest, kFewSteps),
+                                  recent =
+                                      active_.graph.way(last_revisit_->keyframe, revisit.keyframe, kFewSteps);
   if (!earlier || !recent) return false;
   Constraint between;
-  between.from_to = earlier->from_to.inverse() * graph_.nodes().at(revisit.nearest).inverse() *
-                    graph_.nodes().at(revisit.keyframe) * recent->from_to.inverse();
+  between.from_to = earlier->from_to.inverse() * active_.graph.nodes().at(revisit.nearest).inverse() *
+                    active_.graph.nodes().at(revisit.keyframe) * recent->from_to.inverse();
   between.information = inverse(last_revisit_->covariance);
   revisit.covariance = inverse(chained(chained(*earlier, between), *recent).information);
   note_revisit(revisit);
@@ -218,12 +294,14 @@ void Mapper::give(MapAnswer answer) {
     tracker_.give(std::move(*recovery));
     return;
   }
-  take_closure(std::get<ClosureAnswer>(answer));
+  if (const auto* closure = std::get_if<ClosureAnswer>(&answer)) return take_closure(*closure);
+  take_join(std::get<JoinAnswer>(answer));
 }
 
 void Mapper::take_closure(const ClosureAnswer& answer) {
   const std::optional<Constraint> before = std::exchange(pending_, std::nullopt);
-  if (answer.serial != serial_ || !graph_.contains(answer.nearest) || !graph_.contains(answer.keyframe))
+  if (answer.serial != serial_ || !active_.graph.contains(answer.nearest) ||
+      !active_.graph.contains(answer.keyframe))
     return;
   const std::uint32_t before_keyframe = std::exchange(pending_keyframe_, answer.nearest_keyframe);
   if (answer.outcome == ClosureOutcome::kPending) pending_ = answer.closure;
@@ -232,27 +310,72 @@ void Mapper::take_closure(const ClosureAnswer& answer) {
     note_revisit({answer.keyframe, answer.nearest, answer.nearest_keyframe, answer.covariance});
   }
   if (answer.outcome != ClosureOutcome::kAccepted) return;
-  if (before && graph_.contains(before->from) && graph_.contains(before->to)) graph_.connect(*before);
-  graph_.connect(answer.closure);
-  usual_information_ = answer.closure.information;
-  ++closures_;
-  bend(answer);
+  if (before && active_.graph.contains(before->from) && active_.graph.contains(before->to))
+    active_.graph.connect(*before);
+  active_.graph.connect(answer.closure);
+  bend(answer, tracker_.map_from_own().inverse());
+}
+
+/// Both submaps become one, in the frame of the older.
+void Mapper::take_join(const JoinAnswer& answer) {
+  const bool little = answer.search.evidence == PlaceEvidence::kLittle;
+  const bool found = answer.closure.outcome != ClosureOutcome::kRefused;
+  elsewhere_.take(answer.search.serial, found, little, answer.search.cost_s);
+  const Pose before = tracker_.map_from_own();
+  Recovery told;
+  told.search = answer.search;
+  told.reason = answer.closure.outcome == ClosureOutcome::kPending ? "another search has to agree: " : "";
+  told.reason += answer.closure.reason;
+  told.map_from_predicted = renormalised(before * answer.search.map_from_predicted * before.inverse());
+  correction_ = told;
+  const Constraint& closure = answer.closure.closure;
+  if (answer.closure.serial != serial_ || !found || !active_.graph.contains(closure.to)) return;
+  const std::optional<std::size_t> place = submap_of(answer.closure.nearest_keyframe, others_);
+  if (!place || !others_[*place].graph.contains(closure.from)) return;
+  if (answer.closure.outcome == ClosureOutcome::kPending) {
+    finds_.insert(finds_.begin(), {closure, answer.closure.nearest_keyframe});
+    finds_.resize(std::min(finds_.size(), kMostFinds));
+    return;
+  }
+  const Submap other = std::move(others_[*place]);
+  others_.erase(others_.begin() + static_cast<std::ptrdiff_t>(*place));
+  const Pose own_from_fixed = other.fixed ? other.own_from_map : Pose(tracker_.map_from_own().inverse());
+  active_.graph = joined(active_, other, closure);
+  active_.fixed = active_.fixed || other.fixed;
+  for (const Constraint& c : answer.agreeing) {
+    if (active_.graph.contains(c.from) && active_.graph.contains(c.to)) active_.graph.connect(c);
+  }
+  active_.graph.connect(closure);
+  forget_revisits();
+  note_revisit(
+      {answer.closure.keyframe, closure.from, answer.closure.nearest_keyframe, answer.closure.covariance});
+  bend(answer.closure, own_from_fixed);
+  told.accepted = true;
+  told.reason.insert(0, "submaps joined: ");
+  told.map_from_predicted = tracker_.map_from_own() * before.inverse();
+  correction_ = told;
 }
 
 /// Brings the tracker's keyframes to the optimum. Its own frame stays with the robot and the scans around it;
 /// what moves is the rest of the map, and the frame that poses are told in.
-void Mapper::bend(const ClosureAnswer& answer) {
-  const ArchivedKeyframe& newest = tracker_.archive().keyframes().back();
+void Mapper::bend(const ClosureAnswer& answer, const Pose& own_from_fixed) {
+  PoseGraph& graph = active_.graph;
+  const ArchivedKeyframe* newest = tracker_.archive().find(graph.nodes().rbegin()->first);
+  if (!newest) return;
+  usual_information_ = answer.closure.information;
+  ++closures_;
   const Pose before = tracker_.map_from_own();
-  graph_.move(answer.map_from_node);
-  const Pose map_from_own = renormalised(graph_.nodes().at(newest.id) * newest.map_from_body.inverse());
+  graph.move(answer.map_from_node);
+  const Pose map_from_own = renormalised(graph.nodes().at(newest->id) * newest->map_from_body.inverse());
   std::map<std::uint32_t, Pose> own_from_keyframe;
-  for (const auto& [id, pose] : graph_.nodes())
+  for (const auto& [id, pose] : graph.nodes())
     own_from_keyframe.emplace(id, renormalised(map_from_own.inverse() * pose));
-  const Pose own_from_fixed = map_from_own.inverse() * before;
-  for (const ArchivedKeyframe& k : tracker_.archive().keyframes()) {
-    if (!tracker_.archive().is_fixed(k.id)) break;
-    own_from_keyframe.emplace(k.id, renormalised(own_from_fixed * k.map_from_body));
+  if (active_.fixed) {
+    const Pose now_from_before = map_from_own.inverse() * own_from_fixed.inverse();
+    for (const ArchivedKeyframe& k : tracker_.archive().keyframes()) {
+      if (!tracker_.archive().is_fixed(k.id)) break;
+      own_from_keyframe.emplace(k.id, renormalised(now_from_before * k.map_from_body));
+    }
   }
   const Pose here = tracker_.own_from_body();
   const bool jumps = !near(before * here, map_from_own * here, kJumpMetres, kJumpRadians);
@@ -268,68 +391,64 @@ void Mapper::bend(const ClosureAnswer& answer) {
 /// A covariance of a keyframe, in its frame, as one of the robot.
 Matrix6 Mapper::seen_from_robot(std::uint32_t keyframe, const Matrix6& covariance) const {
   const Pose map_from_robot = tracker_.map_from_own() * tracker_.own_from_body();
-  const Matrix6 onwards = adjoint(map_from_robot.inverse() * graph_.nodes().at(keyframe));
+  const Matrix6 onwards = adjoint(map_from_robot.inverse() * active_.graph.nodes().at(keyframe));
   return onwards * covariance * onwards.transpose();
 }
 
 Pose Mapper::correction(std::uint32_t stamp) const {
-  return history_ ? history_->correction(stamp, graph_.nodes()) : Pose::Identity();
+  if (!history_) return Pose::Identity();
+  const std::optional<std::uint32_t> keyframe = history_->keyframe(stamp);
+  const auto other = std::find_if(others_.begin(), others_.end(), [&](const Submap& submap) {
+    return keyframe && submap.graph.contains(*keyframe);
+  });
+  return history_->correction(stamp, (other == others_.end() ? active_ : *other).graph.nodes());
 }
 
 void Mapper::reset() {
   tracker_.reset();
+  others_.push_back(std::exchange(active_, Submap()));
   if (history_) {
-    for (const auto& [id, pose] : graph_.nodes()) history_->remove(id, pose);
+    for (const Submap& submap : others_)
+      for (const auto& [id, pose] : submap.graph.nodes()) history_->remove(id, pose);
   }
-  graph_ = {};
-  ++serial_;  // an answer to come is of the map that is gone
-  known_ = 0;
-  considered_ = asked_ = 0;
-  pending_.reset();
-  last_revisit_.reset();
-  revisits_.clear();
+  others_.clear();
+  submap_ = tracker_.submap();
+  known_ = considered_ = asked_ = joined_ = 0;
+  forget_revisits();
   correction_.reset();
 }
 
-/// Constraints name keyframes by their ids, the file by their places.
 SavedMap Mapper::save() const {
-  SavedMap saved = tracker_.save();
-  std::map<std::uint32_t, std::uint32_t> places = {{kOriginNode, kOriginNode}};
-  for (const ArchivedKeyframe& k : saved.keyframes)
-    places.emplace(k.id, static_cast<std::uint32_t>(places.size()));
-  for (Constraint c : graph_.constraints()) {
-    const auto from = places.find(c.from), to = places.find(c.to);
-    if (from == places.end() || to == places.end()) continue;
-    c.from = from->second;
-    c.to = to->second;
-    saved.constraints.push_back(c);
-  }
-  return saved;
+  Submap active = active_;
+  active.own_from_map = tracker_.map_from_own().inverse();
+  return saved_map(tracker_.save(), active, others_);
 }
 
 void Mapper::load(SavedMap saved, bool fixed) {
   reset();
-  PoseGraph graph;
-  if (!saved.constraints.empty() && !fixed) {
-    graph.add(kOriginNode, Pose::Identity());
-    std::uint32_t id = 0;
-    for (const ArchivedKeyframe& k : saved.keyframes) graph.add(++id, k.map_from_body);
-    for (const Constraint& c : saved.constraints) graph.connect(c);
-  }
-  const bool whole = graph.is_connected();
+  active_.fixed = fixed && !saved.keyframes.empty();
   const auto keyframes = static_cast<std::uint32_t>(saved.keyframes.size());
-  tracker_.load(std::move(saved), fixed);
-  if (fixed) {
-    known_ = keyframes + 1;
+  if (fixed || saved.constraints.empty()) {
+    tracker_.load(std::move(saved), fixed);
+    if (fixed) known_ = keyframes + 1;
+    follow_archive();
     return;
   }
-  if (whole && keyframes > 0 && !graph.nodes().empty()) {
-    graph_ = std::move(graph);
-    known_ = keyframes + 1;
-    drop_evicted();
-    return;
+  std::vector<Submap> submaps = submaps_of(saved);
+  for (std::size_t i = 1; i < submaps.size(); ++i) {
+    const Eigen::Vector3d away(-kSubmapsApart * static_cast<double>(i), 0, 0);
+    submaps[i].own_from_map = Eigen::Translation3d(away);
+    for (const auto& [id, pose] : submaps[i].graph.nodes())
+      if (id != kOriginNode) saved.keyframes[id - 1].map_from_body = submaps[i].own_from_map * pose;
   }
-  follow_archive();
+  tracker_.load(std::move(saved), false);
+  for (Submap& submap : submaps)
+    submap.own_from_map = tracker_.map_from_own().inverse() * submap.own_from_map;
+  active_ = std::move(submaps.front());
+  submaps.erase(submaps.begin());
+  others_ = std::move(submaps);
+  known_ = keyframes + 1;
+  drop_evicted();
 }
 
 }  // namespace scanlock

@@ -8,17 +8,21 @@
 #include <optional>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "mapping/loop_closure.hpp"
 #include "mapping/pose_graph.hpp"
 #include "mapping/pose_history.hpp"
+#include "mapping/submap.hpp"
+#include "odometry/place_search.hpp"
 #include "odometry/tracker.hpp"
 
 namespace scanlock {
 
-/// Work that need not be done before the next scan: a search for the robot's place, or a loop closure.
-using MapRequest = std::variant<RecoveryRequest, ClosureRequest>;
-using MapAnswer = std::variant<RecoveryAnswer, ClosureAnswer>;
+/// Work that need not be done before the next scan: a search for the robot's place, a loop closure, or a
+/// search for the active submap's place among others.
+using MapRequest = std::variant<RecoveryRequest, ClosureRequest, JoinRequest>;
+using MapAnswer = std::variant<RecoveryAnswer, ClosureAnswer, JoinAnswer>;
 
 /// Does that work; deterministic.
 class MapWorker {
@@ -31,15 +35,17 @@ class MapWorker {
   PlaceFinder finder_;
 };
 
-/// A tracker whose archived keyframes are the nodes of a pose graph. Where the robot comes to ground that an
-/// earlier visit saw, the newest keyframe is aligned with what was seen then; two such loop closures in a row
-/// that agree become constraints, and the map is bent to them between two scans. Where it is known how the
-/// two visits lie to each other, the newer keyframes take the place of the older ones, so that the map grows
-/// by new ground alone. Keyframes of a map that is fixed are no nodes: what is tied to them is tied to
-/// kOriginNode. As the tracker, a pure function of its state, the scans and the answers.
+/// A tracker whose archived keyframes are the nodes of pose graphs, one a submap. A robot that was lost, and
+/// found no place, goes on in a new submap; from there the others are searched for what it sees, and where
+/// two searches agree both submaps become one, in the frame of the older. Where the robot comes to ground
+/// that an earlier visit saw, the newest keyframe is aligned with what was seen then; two such loop closures
+/// in a row that agree become constraints, and the map is bent to them between two scans. Where it is known
+/// how the two visits lie to each other, the newer keyframes take the place of the older ones, so that the
+/// map grows by new ground alone. Keyframes of a map that is fixed are no nodes: what is tied to them is tied
+/// to kOriginNode. As the tracker, a pure function of its state, the scans and the answers.
 class Mapper {
  public:
-  explicit Mapper(const TrackerConfig& config) : tracker_(config) {}
+  explicit Mapper(const TrackerConfig& config) : tracker_(config), elsewhere_(config.search_cores) {}
 
   TrackedScan track(const Scan& scan, const ScanPrior& prior = {});
 
@@ -62,8 +68,11 @@ class Mapper {
   /// See PoseHistory::correction. The identity where no history is kept.
   Pose correction(std::uint32_t stamp) const;
 
-  /// Its nodes are kOriginNode and the archived keyframes that are not fixed, in the map's frame.
-  const PoseGraph& graph() const { return graph_; }
+  /// Of the active submap. Its nodes are kOriginNode and the keyframes that are not fixed, in the map's
+  /// frame.
+  const PoseGraph& graph() const { return active_.graph; }
+  /// Submaps of which it is not known how they lie to the active one.
+  std::size_t other_submaps() const { return others_.size(); }
 
  private:
   /// How a keyframe lies to one of an earlier visit.
@@ -73,20 +82,32 @@ class Mapper {
     Matrix6 covariance = Matrix6::Zero();
   };
   static constexpr double kAnyClosure = 1e12;  ///< before there was one, each is worth its cost
+  void begin_submap();
+  void return_to_submap(TrackedScan* tracked);
+  void forget_revisits();
   void follow_archive();
   void drop_evicted();
   void renew_places();
   void renew(std::uint32_t id, const Revisit& revisit);
   void connect_odometry(const ArchivedKeyframe& keyframe);
   std::optional<ClosureRequest> closure_request();
+  ClosureRequest request_around(const ArchivedKeyframe& keyframe);
+  std::optional<JoinRequest> join_request();
   bool is_known(Revisit revisit);
   void note_revisit(const Revisit& revisit);
   void take_closure(const ClosureAnswer& answer);
-  void bend(const ClosureAnswer& answer);
+  void take_join(const JoinAnswer& answer);
+  void bend(const ClosureAnswer& answer, const Pose& own_from_fixed);
   Matrix6 seen_from_robot(std::uint32_t keyframe, const Matrix6& covariance) const;
 
   Tracker tracker_;
-  PoseGraph graph_;
+  Submap active_;                ///< where the robot is; where its frame lies the tracker knows
+  std::vector<Submap> others_;   ///< in no order
+  std::uint32_t submap_ = 0;     ///< as the tracker counts
+  int scans_ = 0;                ///< that were aligned
+  PlaceSearch elsewhere_;        ///< in the others
+  std::uint32_t joined_ = 0;     ///< the last keyframe that might have been looked for there
+  std::vector<JoinFind> finds_;  ///< of searches there, the newest first
   std::optional<PoseHistory> history_;
   std::uint32_t known_ = 0;  ///< keyframes of smaller ids were added to the graph
   std::int64_t serial_ = 0;
@@ -97,7 +118,7 @@ class Mapper {
   Matrix6 usual_information_ = kAnyClosure * Matrix6::Identity();  ///< of the last closure
   std::optional<Revisit> last_revisit_;
   std::map<std::uint32_t, Revisit> revisits_;  ///< by keyframe, until it takes the other one's place
-  std::optional<Recovery> correction_;         ///< to be told with the next scan
+  std::optional<Recovery> correction_;  ///< or a search of other submaps, to be told with the next scan
   int closures_ = 0;
 };
 

@@ -6,7 +6,6 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "icp/welsch.hpp"
@@ -332,22 +331,28 @@ std::optional<Constraint> PoseGraph::way(std::uint32_t from, std::uint32_t to, i
   return found == ways.end() ? std::nullopt : std::optional<Constraint>(found->second);
 }
 
-bool PoseGraph::is_connected() const {
+std::vector<PoseGraph> PoseGraph::parts() const {
   std::map<std::uint32_t, std::vector<std::uint32_t>> neighbours;
   for (const Constraint& c : constraints_) {
     neighbours[c.from].push_back(c.to);
     neighbours[c.to].push_back(c.from);
   }
-  std::set<std::uint32_t> reached;
-  std::vector<std::uint32_t> border;
-  if (!nodes_.empty()) border.push_back(nodes_.begin()->first);
-  while (!border.empty()) {
-    const std::uint32_t node = border.back();
-    border.pop_back();
-    if (!reached.insert(node).second) continue;
-    border.insert(border.end(), neighbours[node].begin(), neighbours[node].end());
+  std::map<std::uint32_t, std::size_t> part_of;
+  std::vector<PoseGraph> parts;
+  for (const auto& [first, pose] : nodes_) {
+    if (part_of.count(first) > 0) continue;
+    std::vector<std::uint32_t> border{first};
+    while (!border.empty()) {
+      const std::uint32_t node = border.back();
+      border.pop_back();
+      if (!part_of.emplace(node, parts.size()).second) continue;
+      border.insert(border.end(), neighbours[node].begin(), neighbours[node].end());
+    }
+    parts.emplace_back();
   }
-  return reached.size() == nodes_.size();
+  for (const auto& [node, pose] : nodes_) parts[part_of.at(node)].add(node, pose);
+  for (const Constraint& c : constraints_) parts[part_of.at(c.from)].constraints_.push_back(c);
+  return parts;
 }
 
 double PoseGraph::weight(const Constraint& constraint) const {

@@ -62,8 +62,8 @@ class PoseGraph {
   /// Welsch's weight of a constraint at the last scale (0 to 1); 1 of odometry.
   double weight(const Constraint& constraint) const;
 
-  /// Whether every node is reached from the first one.
-  bool is_connected() const;
+  /// The parts of it that nothing connects, the first node's first.
+  std::vector<PoseGraph> parts() const;
   bool contains(std::uint32_t node) const { return nodes_.count(node) > 0; }
   const std::map<std::uint32_t, Pose>& nodes() const { return nodes_; }
   const std::vector<Constraint>& constraints() const { return constraints_; }

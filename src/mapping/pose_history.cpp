@@ -33,6 +33,13 @@ void PoseHistory::remove(std::uint32_t keyframe, const Pose& map_from_keyframe) 
   current_.erase(at);
 }
 
+std::optional<std::uint32_t> PoseHistory::keyframe(std::uint32_t stamp) const {
+  const Anchor* anchor = &anchors_[stamps_[stamp].anchor];
+  while (anchor->kind == Anchor::Kind::kTied) anchor = &anchors_[anchor->to];
+  if (anchor->kind == Anchor::Kind::kFixed) return std::nullopt;
+  return anchor->to;
+}
+
 Pose PoseHistory::correction(std::uint32_t stamp,
                              const std::map<std::uint32_t, Pose>& map_from_keyframe) const {
   const Stamp& then = stamps_[stamp];

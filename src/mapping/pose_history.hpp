@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "geometry/rigid.hpp"
@@ -20,6 +21,9 @@ class PoseHistory {
   void renew(std::uint32_t old, std::uint32_t newer, const Pose& old_from_newer);
   /// A keyframe goes: what is tied to it stays there.
   void remove(std::uint32_t keyframe, const Pose& map_from_keyframe);
+
+  /// The keyframe that poses of a stamp follow; none where they follow nothing any more.
+  std::optional<std::uint32_t> keyframe(std::uint32_t stamp) const;
 
   /// What leads from a pose as it was told to the pose in the map as it is now: correction * told. The
   /// identity, exactly, where its keyframe has not moved. Keyframes by their ids.

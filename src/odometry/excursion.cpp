@@ -15,35 +15,37 @@ constexpr double kShort = 0.3;  // seconds: over longer ones the velocity may we
 
 Excursion::Excursion(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& predicted)
-    : config_(config), odometer_(config), seen_(static_cast<std::size_t>(config.max_archive_points)) {
-  odometer_.start(utime, scan, predicted);
+    : config_(config),
+      odometer_(std::make_unique<Odometer>(config)),
+      seen_(static_cast<std::size_t>(config.max_archive_points)) {
+  odometer_->start(utime, scan, predicted);
 }
 
 bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) {
-  const MotionPrior prior = odometer_.predict(dt);
-  Attempt attempt = odometer_.awaits_second()
-                        ? odometer_.align(part_of(scan, kDeskewPoints), prior, Reach::kNear)
-                        : odometer_.align(scan, prior, Reach::kNear);
-  attempt = odometer_.deskew_first(scan, dt, std::move(attempt), false);
+  const MotionPrior prior = odometer_->predict(dt);
+  Attempt attempt = odometer_->awaits_second()
+                        ? odometer_->align(part_of(scan, kDeskewPoints), prior, Reach::kNear)
+                        : odometer_->align(scan, prior, Reach::kNear);
+  attempt = odometer_->deskew_first(scan, dt, std::move(attempt), false);
   if (!explains(attempt, kJumpScore)) {
-    attempt = better(std::move(attempt), odometer_.probe(scan, loosened(prior), Reach::kFar));
+    attempt = better(std::move(attempt), odometer_->probe(scan, loosened(prior), Reach::kFar));
   }
   if (!explains(attempt, kJumpScore) || squared_gap(prior, attempt.alignment.moving) > kMostGap) {
     // A velocity that did not meet the scan is worth no more than none.
     begin_anew(utime, scan, {prior.mean.pose, scans_ == 1 ? Vector6::Zero() : prior.mean.twist});
     return false;
   }
-  const MovingPose before = odometer_.state();
+  const MovingPose before = odometer_->state();
   blind_s_ = 0;
-  odometer_.accept(attempt);
+  odometer_->accept(attempt);
   followed_s_ += dt;
-  const MovingPose& now = odometer_.state();
+  const MovingPose& now = odometer_->state();
   const Vector6 way = se3_log(before.pose.inverse() * now.pose) / dt;
   if (dt <= kShort && is_bent(0.5 * (before.twist + now.twist), way)) {
     begin_anew(utime, scan, {now.pose, way});
     return false;
   }
-  odometer_.keep(utime, scan, attempt.health.share);
+  odometer_->keep(utime, scan, attempt.health.share);
   remember(utime, scan);
   attempt_ = std::move(attempt);
   ++scans_;
@@ -51,7 +53,7 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
 }
 
 void Excursion::begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted) {
-  odometer_.start(utime, scan, predicted);
+  odometer_->start(utime, scan, predicted);
   seen_.clear();
   bend_.setZero();
   up_sum_.setZero();
@@ -60,12 +62,12 @@ void Excursion::begin_anew(std::int64_t utime, const PreparedScan& scan, const M
 }
 
 void Excursion::remember(std::int64_t utime, const PreparedScan& scan) {
-  const Pose& here = odometer_.state().pose;
+  const Pose& here = odometer_->state().pose;
   if (!seen_.wants(utime, here.translation(), scan.median_range)) return;
-  const Matrix6 covariance = odometer_.take_new_drift();
+  const Matrix6 covariance = odometer_->take_new_drift();
   std::optional<Constraint> tie;
   if (!seen_.empty()) tie = tie_to(seen_.keyframes().back(), here, covariance);
-  seen_.add(utime, here, scan.median_range, deskewed(scan.source, odometer_.state()), tie);
+  seen_.add(utime, here, scan.median_range, deskewed(scan.source, odometer_->state()), tie);
 }
 
 /// Scans that a wrong velocity bends all alike fit each other, so that nothing else tells: but the way from
@@ -79,32 +81,18 @@ bool Excursion::is_bent(const Vector6& velocity, const Vector6& way) {
 void Excursion::coast(double dt) {
   blind_s_ += dt;
   if (blind_s_ > kCoastSeconds) followed_s_ = 0;
-  odometer_.coast(odometer_.predict(dt));
-  if (blind_s_ > kCoastSeconds) odometer_.stand();
+  odometer_->coast(odometer_->predict(dt));
+  if (blind_s_ > kCoastSeconds) odometer_->stand();
 }
 
 void Excursion::note_up(const Eigen::Vector3d& up_in_body) {
-  up_sum_ += odometer_.state().pose.linear() * up_in_body;
+  up_sum_ += odometer_->state().pose.linear() * up_in_body;
 }
 
 std::optional<Eigen::Vector3d> Excursion::up() const {
   constexpr double kAgreeing = 0.5;  // of vectors that point anywhere little is left
   if (!(up_sum_.norm() > kAgreeing)) return std::nullopt;
   return up_sum_.normalized();
-}
-
-PointCloud Excursion::submap(double radius, Eigen::Vector3d& centre) const {
-  const PointCloud& cloud = odometer_.map().cloud();
-  centre = odometer_.state().pose.translation();
-  const Eigen::Vector3f here = (centre - odometer_.map().origin()).cast<float>();
-  PointCloud near;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3f p = cloud.point(i) - here;
-    if (!(p.head<2>().squaredNorm() < static_cast<float>(radius * radius))) continue;
-    near.push_back(p);
-    near.eyes.push_back(cloud.eyes[i] - here);
-  }
-  return near;
 }
 
 }  // namespace scanlock

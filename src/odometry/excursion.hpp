@@ -3,10 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <utility>
 
 #include "odometry/keyframe_archive.hpp"
 #include "odometry/odometer.hpp"
+#include "odometry/surroundings.hpp"
 
 namespace scanlock {
 
@@ -28,24 +31,22 @@ class Excursion {
   /// The mean of that since it began, axes of the predicted map frame; nothing without such a sensor.
   std::optional<Eigen::Vector3d> up() const;
 
-  const MovingPose& state() const { return odometer_.state(); }
-  const Matrix12& covariance() const { return odometer_.covariance(); }
-  const Odometer& odometer() const { return odometer_; }
+  const MovingPose& state() const { return odometer_->state(); }
+  const Matrix12& covariance() const { return odometer_->covariance(); }
+  const Odometer& odometer() const { return *odometer_; }
   /// The places that it has been to since it began, in the predicted map frame.
   const KeyframeArchive& seen() const { return seen_; }
-  bool planar() const { return odometer_.planar(); }
+  bool planar() const { return odometer_->planar(); }
   /// Scans since it began.
   int scans() const { return scans_; }
   /// Seconds that it has followed scans that fit each other.
   double followed_s() const { return followed_s_; }
-  /// Whether the last scan had no points to follow.
-  bool blind() const { return blind_s_ > 0; }
   /// Of the last scan that was followed.
   const Attempt& attempt() const { return attempt_; }
 
-  /// What it saw within `radius` metres (horizontally) of where it is now: axes of the predicted map frame,
-  /// relative to `centre`, which is set.
-  PointCloud submap(double radius, Eigen::Vector3d& centre) const;
+  Surroundings surroundings() const { return {odometer_->map(), state().pose, scans_, up()}; }
+  /// Its odometer, for whoever goes on with it; the excursion is at its end.
+  std::unique_ptr<Odometer> take_odometer() { return std::move(odometer_); }
 
  private:
   void begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted);
@@ -54,7 +55,7 @@ class Excursion {
   void remember(std::int64_t utime, const PreparedScan& scan);
 
   TrackerConfig config_;
-  Odometer odometer_;
+  std::unique_ptr<Odometer> odometer_;
   KeyframeArchive seen_;
   int scans_ = 1;
   Vector6 bend_ = Vector6::Zero();  ///< velocity, less what the way from scan to scan says; a mean

@@ -177,6 +177,31 @@ void KeyframeArchive::remove(std::uint32_t id) {
   count_points();
 }
 
+void KeyframeArchive::begin_submap(const KeyframeArchive& seen) {
+  for (ArchivedKeyframe& k : keyframes_) k.map_from_body.translation().x() -= kSubmapsApart;
+  std::map<std::uint32_t, std::uint32_t> ids;
+  for (ArchivedKeyframe k : seen.keyframes_) {
+    const std::uint32_t id = ids[k.id] = next_id_++;
+    if (k.tie && ids.count(k.tie->from)) {
+      k.tie->from = ids.at(k.tie->from);
+      k.tie->to = id;
+    } else {
+      k.tie.reset();
+    }
+    k.id = id;
+    keyframes_.push_back(std::move(k));
+  }
+  evict();
+}
+
+KeyframeArchive KeyframeArchive::without(const std::map<std::uint32_t, Pose>& nodes) const {
+  KeyframeArchive others(max_points_);
+  for (const ArchivedKeyframe& k : keyframes_) {
+    if (nodes.count(k.id) == 0) others.keyframes_.push_back(k);
+  }
+  return others;
+}
+
 void KeyframeArchive::clear() {
   keyframes_.clear();
   points_ = fixed_ = 0;

@@ -36,6 +36,10 @@ struct ArchivedKeyframe {
 /// perturbation, [metres; radians].
 Constraint tie_to(const ArchivedKeyframe& before, const Pose& map_from_here, const Matrix6& covariance);
 
+/// Metres along x between submaps, as long as nobody knows how they lie to each other: farther than a robot
+/// drives before its archive has forgotten where it came from.
+inline constexpr double kSubmapsApart = 2e4;
+
 inline constexpr std::size_t kMostStands = 32;  ///< of a place
 
 /// Everything that outlives a run: what a map file holds.
@@ -80,7 +84,11 @@ class KeyframeArchive {
   void remove(std::uint32_t id);
   /// New poses, by id.
   void move(const std::map<std::uint32_t, Pose>& map_from_body);
+  /// These are of another submap: those that are there already are moved away from them.
+  void begin_submap(const KeyframeArchive& seen);
   void clear();
+  /// Those of its keyframes that are not nodes.
+  KeyframeArchive without(const std::map<std::uint32_t, Pose>& nodes) const;
 
   const std::vector<ArchivedKeyframe>& keyframes() const { return keyframes_; }
   bool empty() const { return keyframes_.empty(); }

@@ -171,6 +171,19 @@ std::size_t LocalMap::add_novel_points(const Keyframe& keyframe) {
   return novel;
 }
 
+PointCloud LocalMap::around(const Eigen::Vector3d& centre, double radius) const {
+  const Eigen::Vector3f here = (centre - origin_).cast<float>();
+  const auto radius2 = static_cast<float>(radius * radius);
+  PointCloud near;
+  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    const Eigen::Vector3f p = cloud_.point(i) - here;
+    if (!(p.head<2>().squaredNorm() < radius2)) continue;
+    near.push_back(p);
+    near.eyes.push_back(cloud_.eyes[i] - here);
+  }
+  return near;
+}
+
 PointCloud LocalMap::snapshot() const {
   return moved(cloud_, Pose(Eigen::Translation3d(origin_)));
 }

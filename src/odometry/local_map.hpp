@@ -57,6 +57,8 @@ class LocalMap {
   const Eigen::Vector3d& origin() const { return origin_; }
   /// To align with; coordinates relative to origin(). Valid until the next insert.
   AlignmentTarget target() { return {cloud_, tree_, surfaces_}; }
+  /// Those within `radius` metres (horizontally) of `centre` (map frame), relative to it.
+  PointCloud around(const Eigen::Vector3d& centre, double radius) const;
   /// All points in the map frame, with normals where surfaces were fitted.
   PointCloud snapshot() const;
 

@@ -50,44 +50,46 @@ void PlaceSearch::begin_anew() {
   scans_wanted_ = kFirstScans;
 }
 
-std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Excursion& excursion,
+std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surroundings& seen,
                                                  const KeyframeArchive& archive,
                                                  const std::optional<Eigen::Vector3d>& up) {
-  if (!has_credit(utime) || out_ || archive.empty() || excursion.scans() < scans_wanted_) return std::nullopt;
+  if (!has_credit(utime) || out_ || archive.empty() || seen.scans < scans_wanted_) return std::nullopt;
   RecoveryRequest request;
   request.serial = ++serial_;
+  const Eigen::Vector3d here = seen.map_from_body.translation();
   request.utime = utime;
   request.up = up.value_or(Eigen::Vector3d::UnitZ());
-  request.body_up = excursion.state().pose.linear().col(2);
+  request.body_up = seen.map_from_body.linear().col(2);
   if (others_.empty() || turn_ % round_ == 0) {
     const Eigen::Matrix3f level = level_rotation(request.body_up).cast<float>();
-    Eigen::Vector3d centre;
-    others_ = other_centres(archive, PlaceSignature(excursion.submap(PlaceSignature::kReach, centre), level));
+    others_ = other_centres(archive, PlaceSignature(seen.map.around(here, PlaceSignature::kReach), level));
   }
   const auto others = static_cast<int>(others_.size());
   round_ = anchor_ ? 2 * (1 + others) : others;
   const int turn = turn_ % round_;
-  const bool here = anchor_ && (turn < 2 || turn % 2 == 1);
+  const bool at_anchor = anchor_ && (turn < 2 || turn % 2 == 1);
   const int other = anchor_ ? turn / 2 - 1 : turn;
   // The centre is where a sensor was, so that what it saw through is known to be empty.
-  request.target_centre = nearest_place(archive, here ? *anchor_ : others_[static_cast<std::size_t>(other)]);
+  request.target_centre =
+      nearest_place(archive, at_anchor ? *anchor_ : others_[static_cast<std::size_t>(other)]);
   const double scene =
       kScales[static_cast<std::size_t>(attempts_) % kScales.size()] * archive.scene(request.target_centre);
   request.source_radius = kSourceReach * scene;
   request.radius = request.source_radius + kOffset;
   request.voxel = kVoxel * scene;
   request.places = archive.keyframes();
-  request.source = excursion.submap(request.source_radius, request.source_centre);
+  request.source_centre = here;
+  request.source = seen.map.around(here, request.source_radius);
   // A measured attitude goes for every place. Every other round does without: what accelerates measures
   // badly.
-  if (up && (turn_ / round_) % 2 == 0) request.source_up = excursion.up();
+  if (up && (turn_ / round_) % 2 == 0) request.source_up = seen.up;
   if (!request.source_up) request.stands = stands_around(request.places, request.target_centre, kStandReach);
   rough_ = request.stands.size() > kManyStands;
   request.tilt = rough_ && careful_ ? kRoughTilt : kTilt;
-  elsewhere_ = !here;
+  elsewhere_ = !at_anchor;
   out_ = true;
   void_ = false;
-  scans_asked_ = excursion.scans();
+  scans_asked_ = seen.scans;
   scans_wanted_ = scans_asked_ + std::min(3 + attempts_ + attempts_ * attempts_ / kRarer, kLongestPause);
   return request;
 }

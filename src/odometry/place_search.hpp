@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "odometry/excursion.hpp"
 #include "odometry/keyframe_archive.hpp"
 #include "odometry/recovery.hpp"
+#include "odometry/surroundings.hpp"
 
 namespace scanlock {
 
@@ -27,7 +27,7 @@ class PlaceSearch {
 
   /// The next request, when enough was seen for it and none is out. `up`: in the map frame, where that was
   /// measured.
-  std::optional<RecoveryRequest> next(std::int64_t utime, const Excursion& excursion,
+  std::optional<RecoveryRequest> next(std::int64_t utime, const Surroundings& seen,
                                       const KeyframeArchive& archive,
                                       const std::optional<Eigen::Vector3d>& up);
   /// The answer to a request came in, and cost so many seconds; false when it is too late. Where there is
@@ -55,8 +55,8 @@ class PlaceSearch {
   bool careful_ = false;    ///< a search that does not allow for that has found nothing
   int turn_ = 0;            ///< parts of the map done with
   int round_ = 2;           ///< turns that look everywhere once
-  int scans_asked_ = 0;     ///< that the excursion had at the last request,
-  int scans_wanted_ = 0;    ///< and has to have for the next one
+  int scans_asked_ = 0;     ///< that were seen at the last request,
+  int scans_wanted_ = 0;    ///< and have to be for the next one
 };
 
 }  // namespace scanlock

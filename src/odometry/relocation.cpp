@@ -176,7 +176,7 @@ Recovery Relocation::recovery_of(const RecoveryAnswer& answer) const {
 std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, const KeyframeArchive& archive,
                                                         const std::optional<Eigen::Vector3d>& up) {
   if (!lost_ || !excursion_ || candidate_) return std::nullopt;
-  std::optional<RecoveryRequest> request = search_.next(utime, *excursion_, archive, up);
+  std::optional<RecoveryRequest> request = search_.next(utime, excursion_->surroundings(), archive, up);
   if (request) request->undecided = undecided_;
   return request;
 }

@@ -64,12 +64,13 @@ class Relocation {
   bool has_excursion() const { return excursion_.has_value(); }
   /// kRecovering, kAmbiguous or kLost.
   TrackingState state() const { return state_; }
-  /// Whether the robot, which finds no place, goes on in what it has seen since: a map of its own.
-  bool in_new_map() const {
-    return lost_ && excursion_ && excursion_->followed_s() >= config_.new_map_after_s;
+  /// Whether the robot sees, and has found no place for so long that it goes on in what it has seen since.
+  bool gives_up() const {
+    return lost_ && excursion_ && !candidate_ && excursion_->followed_s() >= config_.new_map_after_s;
   }
   /// Only where it has one.
   const Excursion& excursion() const { return *excursion_; }
+  Excursion& excursion() { return *excursion_; }
   /// An attempt that came to its end since the last call.
   std::optional<Recovery> take_ended() { return std::exchange(ended_, std::nullopt); }
 

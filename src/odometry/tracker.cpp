@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "geometry/angles.hpp"
@@ -45,14 +46,14 @@ struct Tracker::State {
   std::function<void(Stage)> observer;
 
   VoxelScale scale;
-  Odometer odometer;
+  std::unique_ptr<Odometer> odometer;
   KeyframeArchive archive;
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  // in the map frame
   int attitudes = 0;                              // that `up` is the mean of
 
   TrackingState state = TrackingState::kInitialising;
   std::uint32_t epoch = 0;
-  bool epoch_of_new_map = false;  // poses that were told in this epoch are in another map than the odometer's
+  std::uint32_t submap = 0;  // counts those that the robot began
   ScanClock clock;
   std::int64_t last_utime = 0;  // stamp
   // Microseconds that advance whatever the stamps do; they are the stamps, until the clock steps.
@@ -76,7 +77,7 @@ struct Tracker::State {
   explicit State(const TrackerConfig& c)
       : config(c),
         scale(c.map_points_per_scan, c.min_voxel_m, c.max_voxel_m),
-        odometer(c),
+        odometer(std::make_unique<Odometer>(c)),
         archive(static_cast<std::size_t>(c.max_archive_points)),
         relocation(c) {}
 
@@ -89,7 +90,7 @@ struct Tracker::State {
   /// Where the robot should be by now: by its velocity, or by what its odometry says it has moved.
   MotionPrior predict(const ScanPrior& hints = {}) const {
     const auto after = [&](double seconds) {
-      return hints.motion ? odometer.predict(seconds, *hints.motion) : odometer.predict(seconds);
+      return hints.motion ? odometer->predict(seconds, *hints.motion) : odometer->predict(seconds);
     };
     MotionPrior prior = after(dt);
     if (most_dt > dt) prior.information = after(most_dt).information;
@@ -122,13 +123,13 @@ struct Tracker::State {
   /// Keeps which way is up in the map, from the attitudes that come with trusted scans.
   void note_attitude(const ScanPrior& hints) {
     if (!hints.level_from_body) return;
-    const Eigen::Vector3d seen = odometer.state().pose.linear() * up_in_body(hints);
+    const Eigen::Vector3d seen = odometer->state().pose.linear() * up_in_body(hints);
     attitudes = std::min(attitudes + 1, kAttitudes);
     up = (up + (seen - up) / attitudes).normalized();
   }
 
   void start(const PreparedScan& scan) {
-    odometer.start(now, scan, {start_pose, Vector6::Zero()});
+    odometer->start(now, scan, {start_pose, Vector6::Zero()});
     last_trusted = Sighting();
     last_trusted.map_from_body = start_pose;
     last_trusted.utime = now;
@@ -139,24 +140,24 @@ struct Tracker::State {
   /// The prior is strong where the robot does what it did; where that does not explain the scan, it is let go
   /// once and a wider kernel tried, from the prediction and from where the robot was last seen.
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
-    if (distrusted_scans > 0) return odometer.probe(scan, prior, Reach::kNear);
-    Attempt best = odometer.align(scan, prior, Reach::kNear);
+    if (distrusted_scans > 0) return odometer->probe(scan, prior, Reach::kNear);
+    Attempt best = odometer->align(scan, prior, Reach::kNear);
     // After a gap the heading may be another, and rooms look alike once turned.
     if (explains(best, kFitScore) && (prior.ahead_s < kMoment || usual_share(best.health))) return best;
     // A far look is dear, and a part of the points will do for it: the next scan must not wait.
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);
-    Attempt far = odometer.look_far(part, loose);
+    Attempt far = odometer->look_far(part, loose);
     const bool moved =
         !near(prior.mean.pose, last_trusted.map_from_body, kWithinReach * scan.median_range, kWithinTurn);
     if (moved && !explains(far, kJumpScore)) {
       loose.mean = {last_trusted.map_from_body, Vector6::Zero()};
-      far = better(std::move(far), odometer.look_far(part, loose));
+      far = better(std::move(far), odometer->look_far(part, loose));
     }
     far.prior = prior;
     if (explains(far, kHopelessScore) && plausible(far)) {
       loose.mean = far.alignment.moving;
-      best = better(std::move(best), odometer.align(scan, loose, Reach::kNear));
+      best = better(std::move(best), odometer->align(scan, loose, Reach::kNear));
     }
     best.prior = prior;
     return best;
@@ -202,10 +203,10 @@ struct Tracker::State {
 
   void track_on(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
     MotionPrior prior = predict();
-    Attempt attempt = odometer.deskew_first(scan, dt, align_or_retry(scan, prior), true);
+    Attempt attempt = odometer->deskew_first(scan, dt, align_or_retry(scan, prior), true);
     if (hints.motion && !trusted(attempt)) {  // what others say is asked where the scans do not suffice
       prior = predict(hints);
-      Attempt hinted = odometer.align(scan, prior, Reach::kNear);
+      Attempt hinted = odometer->align(scan, prior, Reach::kNear);
       if (trusted(hinted)) attempt = std::move(hinted);
     }
     const bool fits = trusted(attempt);
@@ -224,14 +225,14 @@ struct Tracker::State {
       if (distrusted_scans >= kFalseStarts) start(scan);
       return;
     }
-    relocation.distrust(now, dt, scan, odometer, attempt.health.energy);
+    relocation.distrust(now, dt, scan, *odometer, attempt.health.energy);
   }
 
   void believe(const PreparedScan& scan, const Attempt& attempt) {
-    odometer.accept(attempt);
+    odometer->accept(attempt);
     distrusted_scans = 0;
     looks_alike = false;
-    last_trusted = sighting(now, scan, odometer.state());
+    last_trusted = sighting(now, scan, odometer->state());
     // What the map explains little of, a crowd or dust, may be gone the next moment.
     if (attempt.health.share < kDegradedShare) last_trusted.rays = {};
     state = TrackingState::kTracking;
@@ -241,21 +242,21 @@ struct Tracker::State {
       --quiet_scans_left;
       return;
     }
-    odometer.keep(now, scan, attempt.health.share);
+    odometer->keep(now, scan, attempt.health.share);
     if (archive.wants(now, last_trusted.map_from_body.translation(), scan.median_range))
-      archive.add(now, last_trusted.map_from_body, scan.median_range, deskewed(scan.source, odometer.state()),
-                  tie());
+      archive.add(now, last_trusted.map_from_body, scan.median_range,
+                  deskewed(scan.source, odometer->state()), tie());
     archive.note_stand(last_trusted.map_from_body);
   }
 
   /// By odometry to the keyframe before; after a jump by the alignment of now to the one nearest by.
   std::optional<Constraint> tie() {
-    const Matrix6 drift = odometer.take_new_drift();
+    const Matrix6 drift = odometer->take_new_drift();
     if (archive.empty()) return std::nullopt;
-    const Pose& here = odometer.state().pose;
+    const Pose& here = odometer->state().pose;
     const ArchivedKeyframe& before =
         jumped ? archive.nearest(here.translation()) : archive.keyframes().back();
-    const Matrix6 covariance = jumped ? odometer.pose_covariance() : drift;
+    const Matrix6 covariance = jumped ? odometer->pose_covariance() : drift;
     jumped = false;
     return tie_to(before, here, covariance);
   }
@@ -267,8 +268,8 @@ struct Tracker::State {
 
   /// Nothing was learnt: the prediction stands in, and is not believed for long.
   void coast(const MotionPrior& prior) {
-    odometer.coast(prior);
-    if (unseen_s() > kCoastSeconds) odometer.stand();
+    odometer->coast(prior);
+    if (unseen_s() > kCoastSeconds) odometer->stand();
     ++distrusted_scans;
     if (state == TrackingState::kInitialising || relocation.lost()) return;
     state = TrackingState::kDegraded;
@@ -280,41 +281,51 @@ struct Tracker::State {
   void track_lost(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
     if (!relocation.has_excursion()) coast(predict());
     Attempt attempt;
-    const bool was_in_new_map = in_new_map();
-    const Relocation::Outcome outcome = relocation.follow(now, dt, scan, odometer, &attempt);
+    const Relocation::Outcome outcome = relocation.follow(now, dt, scan, *odometer, &attempt);
     if (hints.level_from_body) relocation.note_up(up_in_body(hints));
     finished(Stage::kAlign);
     if (outcome == Relocation::Outcome::kLost) {
-      if (in_new_map()) {
-        if (!was_in_new_map) ++epoch;
-        epoch_of_new_map = true;
-        describe(relocation.excursion().attempt(), PoseMethod::kIcp, tracked);
-      } else {
+      if (localised && relocation.gives_up())
+        begin_submap(scan, tracked);
+      else
         describe(attempt, PoseMethod::kPredicted, tracked);
-      }
       return;
     }
     const bool found = outcome == Relocation::Outcome::kFound;
-    if (found || epoch_of_new_map) ++epoch;
-    epoch_of_new_map = false;
+    if (found) ++epoch;
     // On new ground it must grow at once, or the robot has left it.
     quiet_scans_left = usual_share(attempt.health) ? kQuietScans : 0;
     // The next scans cost what this one does: in a map of archived keyframes, which are thinner, or on new
     // ground that is more than before.
-    if (!explains(attempt, kCalmScore)) odometer.forget_usual();
+    if (!explains(attempt, kCalmScore)) odometer->forget_usual();
     const Pose predicted = relocation.excursion().state().pose;
     join(relocation.excursion(), renormalised(attempt.alignment.moving.pose * predicted.inverse()),
          scan.median_range, &archive);
     jumped = true;
     believe(scan, attempt);
-    jump(predicted, odometer.state().pose);
+    jump(predicted, odometer->state().pose);
     describe(attempt, found ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
   }
 
-  /// Not where a map was given: until a place in it is believed, there is no pose.
-  bool in_new_map() const { return localised && relocation.in_new_map(); }
+  /// What was seen since the robot got lost is its map from now on. Not where a map was given: until a place
+  /// in it is believed, there is no pose.
+  void begin_submap(const PreparedScan& scan, TrackedScan* tracked) {
+    Excursion& excursion = relocation.excursion();
+    archive.begin_submap(excursion.seen());
+    describe(excursion.attempt(), PoseMethod::kIcp, tracked);
+    odometer = excursion.take_odometer();
+    relocation.end();
+    ++submap;
+    ++epoch;
+    attitudes = 0;
+    up = Eigen::Vector3d::UnitZ();
+    jumped = looks_alike = false;
+    distrusted_scans = quiet_scans_left = 0;
+    last_trusted = sighting(now, scan, odometer->state());
+    state = TrackingState::kTracking;
+  }
 
-  void lose() { relocation.begin(odometer, last_trusted, looks_alike, archive); }
+  void lose() { relocation.begin(*odometer, last_trusted, looks_alike, archive); }
 
   // ---- reporting
 
@@ -331,31 +342,25 @@ struct Tracker::State {
     tracked->energy_score = attempt.health.score;
   }
 
-  TrackingState reported_state() const {
-    if (in_new_map())
-      return relocation.excursion().blind() ? TrackingState::kDegraded : TrackingState::kTracking;
-    return relocation.lost() ? relocation.state() : state;
-  }
+  TrackingState reported_state() const { return relocation.lost() ? relocation.state() : state; }
 
   void report(TrackedScan* tracked) {
     tracked->state = reported_state();
     if (tracked->state == TrackingState::kTracking) {
-      const Odometer& followed = in_new_map() ? relocation.excursion().odometer() : odometer;
-      const std::uint32_t never = odometer.planar() ? kOutOfPlane : 0;  // seen, nor missed, by such a sensor
-      const std::uint32_t missing = unknown_axes(followed.pose_covariance(), ~never);
+      const std::uint32_t never = odometer->planar() ? kOutOfPlane : 0;  // seen, nor missed, by such a sensor
+      const std::uint32_t missing = unknown_axes(odometer->pose_covariance(), ~never);
       tracked->degenerate_axes = missing | never;
       const bool little = tracked->inliers < kDegradedShare * tracked->points_used;
       if (missing != 0 || little) tracked->state = TrackingState::kDegraded;
     }
     tracked->epoch = epoch;
     tracked->localised = localised;
-    tracked->map_from_body = map_from_own * odometer.state().pose;
-    tracked->local_from_body = local_from_own * odometer.state().pose;
-    tracked->twist = odometer.state().twist;
-    tracked->covariance = in_new_map() ? relocation.excursion().odometer().pose_covariance()
-                                       : Matrix6(odometer.pose_covariance() + odometer.drift());
-    tracked->keyframes = static_cast<int>(odometer.map().keyframes().size());
-    tracked->map_points = static_cast<int>(odometer.map().size());
+    tracked->map_from_body = map_from_own * odometer->state().pose;
+    tracked->local_from_body = local_from_own * odometer->state().pose;
+    tracked->twist = odometer->state().twist;
+    tracked->covariance = odometer->pose_covariance() + odometer->drift();
+    tracked->keyframes = static_cast<int>(odometer->map().keyframes().size());
+    tracked->map_points = static_cast<int>(odometer->map().size());
     tracked->recovery = relocation.take_ended();
     if (tracked->recovery) {
       tracked->recovery->epoch = epoch;
@@ -396,8 +401,8 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
 
   if (!s.begun) {
     if (s.relocation.lost()) {
-      s.odometer.set_planar(prepared.planar);
-      s.relocation.distrust(s.now, 0, prepared, s.odometer, 1);
+      s.odometer->set_planar(prepared.planar);
+      s.relocation.distrust(s.now, 0, prepared, *s.odometer, 1);
       tracked.method = PoseMethod::kPredicted;
     } else {
       s.start(prepared);
@@ -405,7 +410,7 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
     s.begun = true;
   } else if (!seen) {
     if (s.relocation.has_excursion()) {
-      s.relocation.coast(s.dt, s.odometer);
+      s.relocation.coast(s.dt, *s.odometer);
     } else {
       s.coast(s.predict(hints));
     }
@@ -424,13 +429,15 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
 
 std::optional<RecoveryRequest> Tracker::take_request() {
   const State& s = *state_;
-  const auto up = s.attitudes > 0 ? std::optional<Eigen::Vector3d>(s.up) : std::nullopt;
+  // Of a submap begun later it is not known how that one stands to this.
+  const bool is_one_map = s.submap == 0;
+  const auto up = s.attitudes > 0 && is_one_map ? std::optional<Eigen::Vector3d>(s.up) : std::nullopt;
   return state_->relocation.take_request(s.last_utime, s.archive, up);
 }
 
 void Tracker::give(RecoveryAnswer answer) {
   State& s = *state_;
-  s.relocation.give(std::move(answer), s.archive, s.scale.current(0), s.odometer);
+  s.relocation.give(std::move(answer), s.archive, s.scale.current(0), *s.odometer);
 }
 
 void Tracker::set_stage_observer(std::function<void(Stage)> observer) {
@@ -441,7 +448,7 @@ void Tracker::reset() {
   auto fresh = std::make_unique<State>(state_->config);
   fresh->epoch = state_->epoch + 1;
   fresh->observer = state_->observer;
-  fresh->local_from_own = state_->local_from_own * state_->odometer.state().pose;
+  fresh->local_from_own = state_->local_from_own * state_->odometer->state().pose;
   state_ = std::move(fresh);
 }
 
@@ -449,10 +456,10 @@ void Tracker::set_pose(const Pose& map_from_body) {
   State& s = *state_;
   ++s.epoch;
   s.relocation.end();
-  const Pose before = s.odometer.state().pose;
+  const Pose before = s.odometer->state().pose;
   if (s.archive.empty()) s.map_from_own = upright(map_from_body);
   const Pose here = renormalised(s.map_from_own.inverse() * map_from_body);
-  s.odometer.set_pose(here);
+  s.odometer->set_pose(here);
   s.jump(before, here);
   s.jumped = true;
   s.start_pose = here;
@@ -461,12 +468,11 @@ void Tracker::set_pose(const Pose& map_from_body) {
   s.last_trusted.utime = s.now;
   s.begun = false;
   s.localised = true;
-  s.epoch_of_new_map = false;
   if (!s.archive.knows(here.translation())) {  // a new start
     s.state = TrackingState::kInitialising;
     return;
   }
-  s.odometer.reload(s.archive.keyframes(), {here.translation()}, s.scale.current(0));
+  s.odometer->reload(s.archive.keyframes(), {here.translation()}, s.scale.current(0));
   s.lose();
   s.relocation.propose_here();
 }
@@ -490,16 +496,22 @@ void Tracker::load(SavedMap saved, bool fixed) {
           kAnotherRun;
   s.localised = false;
   s.start_pose = s.last_trusted.map_from_body = saved.last_pose;
-  s.jump(s.odometer.state().pose, saved.last_pose);
+  s.jump(s.odometer->state().pose, saved.last_pose);
   s.jumped = true;
-  s.odometer.set_pose(saved.last_pose);
-  s.relocation.begin(s.odometer, std::nullopt, false, s.archive);
+  s.odometer->set_pose(saved.last_pose);
+  s.relocation.begin(*s.odometer, std::nullopt, false, s.archive);
 }
 
 PointCloud Tracker::map() const {
-  return moved(state_->odometer.map().snapshot(), state_->map_from_own);
+  return moved(state_->odometer->map().snapshot(), state_->map_from_own);
 }
 
+const LocalMap& Tracker::local_map() const {
+  return state_->odometer->map();
+}
+std::uint32_t Tracker::submap() const {
+  return state_->submap;
+}
 const KeyframeArchive& Tracker::archive() const {
   return state_->archive;
 }
@@ -507,25 +519,25 @@ const Pose& Tracker::map_from_own() const {
   return state_->map_from_own;
 }
 const Pose& Tracker::own_from_body() const {
-  return state_->odometer.state().pose;
+  return state_->odometer->state().pose;
 }
 bool Tracker::on_known_ground() const {
   return state_->state == TrackingState::kTracking && !state_->relocation.lost() && state_->localised;
 }
 std::int64_t Tracker::local_map_utime() const {
-  const auto& keyframes = state_->odometer.map().keyframes();
+  const auto& keyframes = state_->odometer->map().keyframes();
   std::int64_t earliest = state_->now;
   for (const Keyframe& k : keyframes) earliest = std::min(earliest, k.utime);
   return earliest;
 }
 bool Tracker::planar() const {
-  return state_->odometer.planar();
+  return state_->odometer->planar();
 }
 double Tracker::voxel() const {
   return state_->scale.current(0);
 }
 Odometer::Usual Tracker::usual() const {
-  return state_->odometer.usual();
+  return state_->odometer->usual();
 }
 
 void Tracker::correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, const Pose& map_from_own,
@@ -533,8 +545,12 @@ void Tracker::correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, co
   State& s = *state_;
   s.archive.move(own_from_keyframe);
   s.map_from_own = map_from_own;
-  s.odometer.set_drift(drift);
+  s.odometer->set_drift(drift);
   if (jumps) ++s.epoch;
+}
+
+void Tracker::set_map_from_own(const Pose& map_from_own) {
+  state_->map_from_own = map_from_own;
 }
 
 void Tracker::renew(std::uint32_t old, std::uint32_t newer) {
@@ -546,11 +562,11 @@ void Tracker::remove(std::uint32_t keyframe) {
 }
 
 const Matrix6& Tracker::drift() const {
-  return state_->odometer.drift();
+  return state_->odometer->drift();
 }
 
 void Tracker::set_drift(const Matrix6& drift) {
-  state_->odometer.set_drift(drift);
+  state_->odometer->set_drift(drift);
 }
 
 }  // namespace scanlock

@@ -11,6 +11,7 @@
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 #include "odometry/keyframe_archive.hpp"
+#include "odometry/local_map.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/recovery.hpp"
 #include "odometry/tracked_scan.hpp"
@@ -70,6 +71,13 @@ class Tracker {
   const Pose& map_from_own() const;
   /// The sensor at the last scan.
   const Pose& own_from_body() const;
+  /// What scans are aligned with.
+  const LocalMap& local_map() const;
+  /// Counts the submaps: a robot that is lost, and finds no place, goes on in one of its own. Keyframes of
+  /// others are kSubmapsApart from it at least; how they really lie to each other is not known.
+  std::uint32_t submap() const;
+  /// It goes on in another submap, whose poses are told in another frame.
+  void set_map_from_own(const Pose& map_from_own);
   /// Whether the last scan was aligned with the map that the archive is of.
   bool on_known_ground() const;
   /// Archived keyframes from there on, their utime, may be part of what scans are aligned with.

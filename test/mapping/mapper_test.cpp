@@ -135,7 +135,8 @@ TEST_CASE("what the poses of a saved map are known to, and what closed its loops
   saved.constraints.resize(1);  // most keyframes hang in the air: they are taken for rigid
   other.load(saved);
   CHECK(other.graph().nodes().size() == before.nodes().size());
-  CHECK(other.graph().is_connected());
+  CHECK(other.graph().parts().size() == 1);
+  CHECK(other.other_submaps() == 0);
   const Matrix6 rigid = other.graph().covariance(kOriginNode, other.graph().nodes().rbegin()->first);
   CHECK(rigid.diagonal().maxCoeff() < 1e-2);
 }
@@ -164,6 +165,109 @@ TEST_CASE("a map that is fixed stays as it is, gets no larger by revisits, and t
   REQUIRE(after.keyframes.size() >= known);
   for (std::size_t k = 0; k < known; ++k)
     CHECK(near(after.keyframes[k].map_from_body, saved.keyframes[k].map_from_body, 1e-6, 1e-6));
+}
+
+TEST_CASE("a robot that is lost on new ground is at home there, and in the first map when it comes back" *
+          doctest::test_suite("long drives")) {
+  TrackerConfig config;
+  config.new_map_after_s = 3;
+  Mapper mapper(config);
+  MapWorker worker(config);
+  mapper.keep_history();
+  int i = 0;
+  TrackedScan tracked;
+  const auto follow = [&](int scans, const auto& scan) {
+    for (const int end = i + scans; i < end; ++i) {
+      tracked = mapper.track(scan(i));
+      if (auto request = mapper.take_request()) mapper.give(worker.work(*request));
+    }
+  };
+  const auto hall = [](int k) {
+    return hall_scan(at(-6, -1, 0.1), Vector6::Zero(), 100000 * k, static_cast<unsigned>(k));
+  };
+  const auto narrow = [](const Pose& pose, int k) {  // as if the hall were less than half as long
+    Scan scan = hall_scan(pose, Vector6::Zero(), 100000 * k, static_cast<unsigned>(k));
+    const Eigen::Matrix3f turn = pose.linear().cast<float>();
+    for (std::size_t p = 0; p < scan.points.size(); ++p) {
+      Eigen::Vector3f point = turn * scan.points.point(p);
+      point.x() *= 0.4F;
+      point = turn.transpose() * point;
+      scan.points.x[p] = point.x();
+      scan.points.y[p] = point.y();
+    }
+    return scan;
+  };
+  follow(15, hall);
+  const Pose first = tracked.map_from_body;
+  follow(45, [&](int k) { return narrow(at(7, 5, 2.5), k); });
+  CHECK(tracked.state == TrackingState::kTracking);
+  CHECK(tracked.epoch == 1);
+  CHECK(mapper.other_submaps() == 1);
+  const std::uint32_t stamp = tracked.stamp.value();
+
+  follow(45, hall);
+  CHECK(tracked.state == TrackingState::kTracking);
+  CHECK(tracked.epoch == 2);
+  CHECK(mapper.other_submaps() == 1);
+  CHECK(near(tracked.map_from_body, first, 0.03, 0.01));
+  CHECK(near(mapper.correction(stamp), Pose::Identity(), 1e-9, 1e-9));
+  const std::uint32_t node = mapper.graph().nodes().rbegin()->first;
+
+  follow(45, [&](int k) { return narrow(at(7, 5, 2.5), k); });
+  CHECK(tracked.state == TrackingState::kTracking);
+  CHECK(tracked.epoch == 3);  // it was found there
+  CHECK_FALSE(mapper.graph().contains(node));
+  CHECK(mapper.other_submaps() == 1);
+}
+
+TEST_CASE(
+    "two submaps of the same ground are joined, in the frame of the older, and are two in a file until then" *
+    doctest::test_suite("long drives")) {
+  TrackerConfig config = forgetful();
+  config.new_map_after_s = 1;
+  Mapper mapper(config);
+  MapWorker worker(config);
+  mapper.keep_history();
+  for (int i = 0; i < 90; ++i) mapper.track(seen(i));  // round the hall
+  const auto later = [](int i) {                       // it was carried on by a quarter
+    Scan scan = seen(i + 20);
+    scan.utime -= 2000000;
+    return scan;
+  };
+  TrackedScan tracked;
+  int i = 90;
+  for (; i < 130; ++i) {  // nobody answers its requests
+    tracked = mapper.track(later(i));
+    mapper.take_request();
+  }
+  REQUIRE(tracked.state == TrackingState::kTracking);
+  CHECK(tracked.epoch == 1);
+  REQUIRE(mapper.other_submaps() == 1);
+  const std::uint32_t stamp = tracked.stamp.value();
+  const Pose told = tracked.map_from_body, truth = around(0).inverse() * around(129 + 20);
+  CHECK((told.translation() - truth.translation()).norm() > 1);
+
+  const SavedMap saved = mapper.save();
+  Mapper other(config);
+  other.load(saved);
+  CHECK(other.other_submaps() == 1);
+  CHECK(other.save().constraints.size() == saved.constraints.size());
+  for (const ArchivedKeyframe& k : other.save().keyframes) CHECK(k.map_from_body.translation().norm() < 20);
+
+  mapper.give(RecoveryAnswer());  // late
+  for (; i < 300 && mapper.other_submaps() > 0; ++i) {
+    tracked = mapper.track(later(i));
+    if (auto request = mapper.take_request()) mapper.give(worker.work(*request));
+  }
+  CHECK(mapper.other_submaps() == 0);
+  tracked = mapper.track(later(i));
+  REQUIRE(tracked.recovery);
+  CHECK(tracked.recovery->accepted);
+  CHECK(tracked.recovery->search.certified);
+  CHECK(tracked.epoch == 2);
+  CHECK(near(tracked.map_from_body, around(0).inverse() * around(i + 20), 0.05, 0.01));
+  CHECK(near(mapper.correction(stamp) * told, truth, 0.05, 0.01));
+  expect_same(mapper.graph(), mapper.save().keyframes);
 }
 
 TEST_CASE("a map that was saved is one graph again, and a reset leaves none") {

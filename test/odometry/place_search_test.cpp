@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "odometry/excursion.hpp"
 #include "prepared_hall.hpp"
 
 using namespace scanlock;
@@ -32,7 +33,7 @@ Asked ask(unsigned scans, bool found, double cost_s = 0) {
   unsigned last = 0;
   for (unsigned i = 1; i < scans; ++i) {
     excursion.follow(100000 * i, 0.1, same);
-    const auto request = search.next(100000 * i, excursion, archive, std::nullopt);
+    const auto request = search.next(100000 * i, excursion.surroundings(), archive, std::nullopt);
     if (!request) continue;
     if (++asked.requests > 1) asked.longest_pause = std::max(asked.longest_pause, static_cast<int>(i - last));
     last = i;
@@ -88,7 +89,8 @@ TEST_CASE("a robot that nobody has seen is looked for first where it looks most 
   const auto ask_for = [&](unsigned first) {
     for (unsigned i = first; i < first + 100; ++i) {
       excursion.follow(100000 * i, 0.1, hall.scan(1));
-      if (auto request = search.next(100000 * i, excursion, archive, std::nullopt)) return request;
+      if (auto request = search.next(100000 * i, excursion.surroundings(), archive, std::nullopt))
+        return request;
     }
     return std::optional<RecoveryRequest>();
   };

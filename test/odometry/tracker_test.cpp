@@ -297,7 +297,7 @@ TEST_CASE("a carried sensor is never reported as tracking a guess and the map fr
   CHECK((drive.pose(0).inverse() * drive.pose(15)).isApprox(back.map_from_body, 0.02));
 }
 
-TEST_CASE("who is lost and sees goes on in a new map, and comes back to the old one") {
+TEST_CASE("who is lost and sees goes on in a new map") {
   const Frame frame = each_frame();
   TrackerConfig config;
   config.new_map_after_s = 1;
@@ -320,10 +320,6 @@ TEST_CASE("who is lost and sees goes on in a new map, and comes back to the old 
   CHECK(tracked.method == PoseMethod::kIcp);
   CHECK(tracked.epoch == 1);
   CHECK(tracked.covariance.trace() < 0.01);  // where it is in the new map, which it has not moved in
-  const std::optional<RecoveryRequest> request = tracker.take_request();
-  REQUIRE(request);
-  const Eigen::Vector3d up = frame.there_from_here.linear().transpose() * request->up;
-  CHECK(up.isApprox(Eigen::Vector3d::UnitZ(), 1e-3));  // in the old map, of which the new one says nothing
 
   Scan dark;
   dark.utime = Drive::utime(i++);
@@ -331,13 +327,7 @@ TEST_CASE("who is lost and sees goes on in a new map, and comes back to the old 
   CHECK(tracked.state == TrackingState::kDegraded);
   CHECK(tracked.method == PoseMethod::kPredicted);
   CHECK(tracker.track(strange(i++), tilted).state == TrackingState::kTracking);
-
-  for (const int end = i + 20; i < end; ++i)
-    tracked = tracker.track(hall_scan(start, Vector6::Zero(), Drive::utime(i), 99), level);
-  CHECK(tracked.state == TrackingState::kTracking);
-  CHECK(tracked.method == PoseMethod::kIcp);
-  CHECK(tracked.epoch == 2);
-  CHECK(tracked.map_from_body.isApprox(Pose::Identity(), 0.02));
+  CHECK_FALSE(tracker.take_request());  // it is at home there
 }
 
 TEST_CASE("a turn that no robot makes is not believed, however well its scan fits") {

@@ -1,0 +1,71 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/loop_closure.hpp"
+#include "mapping/pose_graph.hpp"
+#include "odometry/recovery.hpp"
+
+namespace scanlock {
+
+/// Keyframes that are tied to each other, in a frame of their own.
+struct Submap {
+  PoseGraph graph;                       ///< kOriginNode is its frame
+  Pose own_from_map = Pose::Identity();  ///< own: the frame of the tracker and its archive
+  bool fixed = false;                    ///< a map that was given: kOriginNode is all that is a node of it
+};
+
+/// Whether the frame of `a` is that of both, once they are joined: that of the map which was given, or which
+/// has the older keyframe.
+bool is_older(const Submap& a, const Submap& b);
+
+/// Both as one graph, in the frame of the older one; `closure`, from the other one to the active one, says
+/// how they lie to each other and is still to be connected.
+PoseGraph joined(const Submap& active, const Submap& other, const Constraint& closure);
+
+/// The submap of a keyframe, by its place; none where it is none of them. What is a node of none is of a
+/// fixed one.
+std::optional<std::size_t> submap_of(std::uint32_t keyframe, const std::vector<Submap>& submaps);
+
+/// What a file keeps: each keyframe in the frame of its submap. Constraints name keyframes by their ids, the
+/// file by their places; the oldest submap alone is tied to the frame of the file, and others that have but
+/// one keyframe are not kept. `map`: all keyframes, in the frame of the active submap.
+SavedMap saved_map(const SavedMap& map, const Submap& active, const std::vector<Submap>& others);
+/// The submaps of such a file, the one that is tied to its frame first. Single keyframes that nothing ties
+/// are taken for part of that.
+std::vector<Submap> submaps_of(const SavedMap& saved);
+
+/// A keyframe of the active submap, found in another one.
+struct JoinFind {
+  Constraint closure;  ///< to the keyframe
+  std::uint32_t nearest_keyframe = 0;
+};
+
+/// To look for the active submap's newest keyframe in all others. A value: it can be worked on by another
+/// thread.
+struct JoinRequest {
+  RecoveryRequest search;  ///< of what is around the keyframe, in the other submaps
+  ClosureRequest closure;  ///< `recent` is around the keyframe; there is no `earlier`, nor `nearest`
+  Submap active;
+  std::vector<Submap> others;
+  std::vector<JoinFind> finds;  ///< earlier ones, of this active submap
+};
+
+struct JoinAnswer {
+  RecoveryAnswer search;
+  ClosureAnswer closure;  ///< kPending: found; kAccepted: enough finds agree, and both submaps are one
+  std::size_t other = 0;  ///< place of the submap, among the others
+  std::vector<Constraint> agreeing;  ///< of an accepted one: the earlier finds that say the same
+};
+
+/// Finds the place by certified search, aligns the keyframe there, and accepts it when an earlier find, of
+/// another place, says the same of how the two submaps lie to each other (of a planar sensor, three).
+JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const TrackerConfig& config);
+
+}  // namespace scanlock
