@@ -157,7 +157,10 @@ struct Tracker::State {
     far.prior = prior;
     if (explains(far, kHopelessScore) && plausible(far)) {
       loose.mean = far.alignment.moving;
-      best = better(std::move(best), odometer->align(scan, loose, Reach::kNear));
+      Attempt again = odometer->align(scan, loose, Reach::kNear);
+      again.prior = prior;
+      // A scan of new ground costs more than its like did, and some motion that nobody makes always costs less.
+      if (plausible(again)) best = better(std::move(best), std::move(again));
     }
     best.prior = prior;
     return best;
