@@ -159,7 +159,8 @@ struct Tracker::State {
       loose.mean = far.alignment.moving;
       Attempt again = odometer->align(scan, loose, Reach::kNear);
       again.prior = prior;
-      // A scan of new ground costs more than its like did, and some motion that nobody makes always costs less.
+      // A scan of new ground costs more than its like did, and some motion that nobody makes always costs
+      // less.
       if (plausible(again)) best = better(std::move(best), std::move(again));
     }
     best.prior = prior;
@@ -187,7 +188,11 @@ struct Tracker::State {
 
   bool trusted(const Attempt& attempt) const {
     const bool wary = distrusted_scans > 0 && state != TrackingState::kInitialising;
-    return explains(attempt, wary ? kCalmScore : kJumpScore) && plausible(attempt);
+    if (explains(attempt, wary ? kCalmScore : kJumpScore)) return plausible(attempt);
+    // At the edge of new ground a scan costs more, though all of it is there and nothing moved in any other
+    // way.
+    return !wary && explains(attempt, kHopelessScore) && usual_share(attempt.health) &&
+           gap(attempt) < kUnusualGap;
   }
 
   /// Another place explains a scan about as well at times, but does not look the same in every direction from
