@@ -124,7 +124,9 @@ void Relocation::feel(std::int64_t utime, const PreparedScan& scan, Odometer& od
   const double share = usual_share(attempt->health) ? 1.0 : 0.4;  // of the gate
   const bool there = standing ? near(found, last_seen_->map_from_body, share * 0.5, share * 5.0 * kDegree)
                               : near(found, predicted.pose, share * gate_m_, share * gate_rad_);
-  if (!there || !explains(*attempt, kCalmScore)) return;
+  // On new ground a scan that is bent by another velocity may fit better, but the excursion knows that.
+  if (!there || !explains(*attempt, kCalmScore) || squared_gap(prior, attempt->alignment.moving) > kMostGap)
+    return;
   looks_alike_ =
       looks_alike_ || contradiction(*last_seen_, utime, scan, attempt->alignment.moving) > kMostContradiction;
   if (!looks_alike_ || nothing_found_)
