@@ -34,10 +34,7 @@ TrackedScan Mapper::track(const Scan& scan, const ScanPrior& prior) {
   if (found) return_to_submap(&tracked);
   follow_archive();
   tracked.loop_closures = closures_;
-  if (history_ && !active_.graph.nodes().empty()) {
-    const auto& [newest, pose] = *active_.graph.nodes().rbegin();
-    tracked.stamp = history_->stamp(newest, pose);
-  }
+  if (history_ && !active_.graph.nodes().empty()) tracked.stamp = stamp();
   if (found) {
     pending_.reset();
     last_revisit_.reset();
@@ -53,6 +50,24 @@ TrackedScan Mapper::track(const Scan& scan, const ScanPrior& prior) {
     tracked.recovery = std::exchange(correction_, std::nullopt);
   }
   return tracked;
+}
+
+/// What a lost robot saw on its way lies to what it sees as it is told, so that once it knows where it is, it
+/// knows where it was.
+std::uint32_t Mapper::stamp() {
+  const auto& [newest, pose] = *active_.graph.nodes().rbegin();
+  const Pose map_from_local = tracker_.map_from_local();
+  const int scans = tracker_.excursion_scans();
+  if (scans == 0) {
+    const bool is_same = open_ && open_->map_from_local.matrix() == map_from_local.matrix();
+    const Pose correction =
+        !open_ || is_same ? Pose::Identity() : Pose(map_from_local * open_->map_from_local.inverse());
+    if (open_) history_->close(open_->stamp, correction, newest, pose);
+    open_.reset();
+    return history_->stamp(newest, pose);
+  }
+  if (!open_ || scans == 1) open_ = {history_->open(newest, pose), map_from_local};
+  return open_->stamp;
 }
 
 /// The submap that the robot was in is one of the others from now on. The archive has moved those away.
@@ -416,6 +431,7 @@ void Mapper::reset() {
   known_ = considered_ = asked_ = joined_ = 0;
   forget_revisits();
   correction_.reset();
+  open_.reset();
 }
 
 SavedMap Mapper::save() const {

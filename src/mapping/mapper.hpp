@@ -82,6 +82,7 @@ class Mapper {
     Matrix6 covariance = Matrix6::Zero();
   };
   static constexpr double kAnyClosure = 1e12;  ///< before there was one, each is worth its cost
+  std::uint32_t stamp();
   void begin_submap();
   void return_to_submap(TrackedScan* tracked);
   void forget_revisits();
@@ -109,7 +110,12 @@ class Mapper {
   std::uint32_t joined_ = 0;     ///< the last keyframe that might have been looked for there
   std::vector<JoinFind> finds_;  ///< of searches there, the newest first
   std::optional<PoseHistory> history_;
-  std::uint32_t known_ = 0;  ///< keyframes of smaller ids were added to the graph
+  struct Open {
+    std::uint32_t stamp = 0;
+    Pose map_from_local = Pose::Identity();
+  };
+  std::optional<Open> open_;  ///< of poses of a lost robot, until it is found
+  std::uint32_t known_ = 0;   ///< keyframes of smaller ids were added to the graph
   std::int64_t serial_ = 0;
   bool out_ = false;
   std::uint32_t considered_ = 0, asked_ = 0;  ///< the last keyframes that might have been aligned, and were

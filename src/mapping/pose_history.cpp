@@ -18,6 +18,18 @@ std::uint32_t PoseHistory::stamp(std::uint32_t keyframe, const Pose& map_from_ke
   return static_cast<std::uint32_t>(stamps_.size() - 1);
 }
 
+std::uint32_t PoseHistory::open(std::uint32_t keyframe, const Pose& map_from_keyframe) {
+  stamps_.push_back({anchor_of(keyframe), map_from_keyframe});
+  return static_cast<std::uint32_t>(stamps_.size() - 1);
+}
+
+void PoseHistory::close(std::uint32_t stamp, const Pose& correction, std::uint32_t keyframe,
+                        const Pose& map_from_keyframe) {
+  const bool is_right = correction.matrix() == Pose::Identity().matrix();
+  const Pose then = is_right ? map_from_keyframe : renormalised(correction.inverse() * map_from_keyframe);
+  stamps_[stamp] = {anchor_of(keyframe), then};
+}
+
 void PoseHistory::renew(std::uint32_t old, std::uint32_t newer, const Pose& old_from_newer) {
   const std::uint32_t before = anchor_of(old), now = anchor_of(newer);
   anchors_[before] = {Anchor::Kind::kTied, now, old_from_newer.inverse()};

@@ -17,6 +17,13 @@ class PoseHistory {
  public:
   /// The stamp of poses that are told now, in a map where the newest keyframe is there.
   std::uint32_t stamp(std::uint32_t keyframe, const Pose& map_from_keyframe);
+  /// The stamp of poses that are told of a robot which does not know where it is, and goes on from
+  /// `keyframe`. Each call begins another one.
+  std::uint32_t open(std::uint32_t keyframe, const Pose& map_from_keyframe);
+  /// Poses of such a stamp are off: `correction` * told is where they are, in a map where a keyframe, which
+  /// they follow from now on, is there.
+  void close(std::uint32_t stamp, const Pose& correction, std::uint32_t keyframe,
+             const Pose& map_from_keyframe);
   /// The keyframe `old` takes the pose of `newer`, which goes.
   void renew(std::uint32_t old, std::uint32_t newer, const Pose& old_from_newer);
   /// A keyframe goes: what is tied to it stays there.

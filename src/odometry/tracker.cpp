@@ -517,6 +517,9 @@ PointCloud Tracker::map() const {
 const LocalMap& Tracker::local_map() const {
   return state_->odometer->map();
 }
+int Tracker::excursion_scans() const {
+  return state_->relocation.has_excursion() ? state_->relocation.excursion().scans() : 0;
+}
 std::uint32_t Tracker::submap() const {
   return state_->submap;
 }
@@ -525,6 +528,9 @@ const KeyframeArchive& Tracker::archive() const {
 }
 const Pose& Tracker::map_from_own() const {
   return state_->map_from_own;
+}
+Pose Tracker::map_from_local() const {
+  return state_->map_from_own * state_->local_from_own.inverse();
 }
 const Pose& Tracker::own_from_body() const {
   return state_->odometer->state().pose;

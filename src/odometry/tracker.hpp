@@ -69,10 +69,14 @@ class Tracker {
 
   const KeyframeArchive& archive() const;
   const Pose& map_from_own() const;
+  /// Of the frame that never jumps: see TrackedScan.
+  Pose map_from_local() const;
   /// The sensor at the last scan.
   const Pose& own_from_body() const;
   /// What scans are aligned with.
   const LocalMap& local_map() const;
+  /// Scans that a robot which is not sure of its place has followed, one after the other; 0 where it is sure.
+  int excursion_scans() const;
   /// Counts the submaps: a robot that is lost, and finds no place, goes on in one of its own. Keyframes of
   /// others are kSubmapsApart from it at least; how they really lie to each other is not known.
   std::uint32_t submap() const;

@@ -234,11 +234,12 @@ TEST_CASE(
     scan.utime -= 2000000;
     return scan;
   };
-  TrackedScan tracked;
+  TrackedScan tracked, lost;
   int i = 90;
   for (; i < 130; ++i) {  // nobody answers its requests
     tracked = mapper.track(later(i));
     mapper.take_request();
+    if (i == 95) lost = tracked;
   }
   REQUIRE(tracked.state == TrackingState::kTracking);
   CHECK(tracked.epoch == 1);
@@ -267,6 +268,9 @@ TEST_CASE(
   CHECK(tracked.epoch == 2);
   CHECK(near(tracked.map_from_body, around(0).inverse() * around(i + 20), 0.05, 0.01));
   CHECK(near(mapper.correction(stamp) * told, truth, 0.05, 0.01));
+  CHECK(lost.state == TrackingState::kRecovering);
+  CHECK(near(mapper.correction(lost.stamp.value()) * lost.map_from_body,
+             around(0).inverse() * around(95 + 20), 0.05, 0.01));
   expect_same(mapper.graph(), mapper.save().keyframes);
 }
 

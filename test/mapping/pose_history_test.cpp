@@ -58,4 +58,20 @@ TEST_CASE("poses follow the keyframe that they were told at, through all that be
   CHECK(near(history.correction(later, map), again, 1e-12, 1e-12));
 }
 
+TEST_CASE("poses told of a robot that did not know where it was follow what it learnt later") {
+  PoseHistory history;
+  std::map<std::uint32_t, Pose> map{{1, at(1, 0.1)}};
+  const std::uint32_t first = history.open(1, map[1]), second = history.open(1, map[1]);
+  CHECK(first != second);
+  map[2] = at(5, 0.4);
+  history.close(second, Pose::Identity(), 2, map[2]);
+  CHECK(history.correction(second, map).matrix() == Pose::Identity().matrix());
+  const Pose correction = at(3, -0.2), bent = at(0.1, 0.02);
+  history.close(second, correction, 2, map[2]);
+  CHECK(near(history.correction(second, map), correction, 1e-12, 1e-12));
+  map[2] = bent * map[2];
+  CHECK(near(history.correction(second, map), bent * correction, 1e-12, 1e-12));
+  CHECK(history.correction(first, map).matrix() == Pose::Identity().matrix());
+}
+
 }  // namespace scanlock
