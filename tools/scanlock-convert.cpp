@@ -24,6 +24,7 @@
 #include "io/scan_log.hpp"
 #include "io/trajectory_source.hpp"
 #include "mapping/cloud_map.hpp"
+#include "mapping/submap.hpp"
 
 namespace {
 
@@ -46,7 +47,8 @@ constexpr const char* kFooter = R"(What is done depends on IN and OUT:
                             a cloud of any program into a map for scanlockd --map, for a sensor at the body's origin; z
                             is up. (--map takes the cloud, too; the .map loads faster.)
   SITE.map SITE.ply|SITE.pcd
-                            what the keyframes of a map have seen, as one cloud in its frame, thinned to 5 cm
+                            what the keyframes of a map have seen, as one cloud in its frame, thinned to 5 cm; submaps that
+                            nothing ties to its frame are left out
   LOG OUT.tum|OUT.kitti     a pose channel (POSE_BODY_CORRECTED) as a trajectory
   IN.tum OUT.kitti, IN.kitti OUT.tum
                             a trajectory in the other format; IN is told by its content, OUT by its name
@@ -214,7 +216,12 @@ void convert_map(const Options& options) {
     write_map(options.output, map);
     points = cloud.size();
   } else {
-    map = read_map(options.input);
+    const SavedMap all = read_map(options.input);
+    map = first_submap(all);
+    if (const std::size_t others = all.keyframes.size() - map.keyframes.size(); others > 0)
+      std::cerr << options.input << ": " << others
+                << " keyframes of submaps that nothing ties to the first one "
+                << "are left out\n";
     const PointCloud cloud = cloud_of_map(map, kVoxel);
     write_cloud(options.output, cloud);
     points = cloud.size();

@@ -442,6 +442,7 @@ SavedMap Mapper::save() const {
 
 void Mapper::load(SavedMap saved, bool fixed) {
   reset();
+  if (fixed) saved = first_submap(std::move(saved));
   active_.fixed = fixed && !saved.keyframes.empty();
   const auto keyframes = static_cast<std::uint32_t>(saved.keyframes.size());
   if (fixed || saved.constraints.empty()) {

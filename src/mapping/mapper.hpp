@@ -59,7 +59,8 @@ class Mapper {
   void reset();
   void set_pose(const Pose& map_from_body) { tracker_.set_pose(map_from_body); }
   SavedMap save() const;
-  /// `fixed`: the map is right, nothing of it moves or is replaced, and what the robot sees is tied to it.
+  /// `fixed`: the map is right, nothing of it moves or is replaced, and what the robot sees is tied to it;
+  /// submaps that are not tied to its frame are left out.
   void load(SavedMap saved, bool fixed = false);
   PointCloud map() const { return tracker_.map(); }
 

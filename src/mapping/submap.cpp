@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "odometry/tracking_promise.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -102,6 +104,17 @@ std::vector<Submap> submaps_of(const SavedMap& saved) {
   return submaps;
 }
 
+SavedMap first_submap(SavedMap saved) {
+  if (saved.constraints.empty()) return saved;
+  const PoseGraph graph = submaps_of(saved).front().graph;
+  std::vector<ArchivedKeyframe> kept;
+  for (std::size_t i = 0; i < saved.keyframes.size(); ++i)
+    if (graph.contains(static_cast<std::uint32_t>(i + 1))) kept.push_back(saved.keyframes[i]);
+  saved.keyframes = std::move(kept);
+  saved.constraints.clear();
+  return saved;
+}
+
 PoseGraph joined(const Submap& active, const Submap& other, const Constraint& closure) {
   const Pose other_from_active = renormalised(other.graph.nodes().at(closure.from) * closure.from_to *
                                               active.graph.nodes().at(closure.to).inverse());
@@ -135,6 +148,11 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
   const std::optional<Constraint> found =
       find_closure(closure, expected, resolution(request.search, reach), config, &answer.closure.reason);
   if (!found) return answer;
+  // In a tunnel every place along it fits, and agrees with every other.
+  if (unknown_axes(inverse(found->information), ~0U) != 0) {
+    answer.closure.reason.insert(0, "leaves a motion open: ");
+    return answer;
+  }
   answer.closure.closure = *found;
   answer.closure.outcome = ClosureOutcome::kPending;
 

@@ -41,6 +41,9 @@ SavedMap saved_map(const SavedMap& map, const Submap& active, const std::vector<
 /// are taken for part of that.
 std::vector<Submap> submaps_of(const SavedMap& saved);
 
+/// The keyframes alone that are tied to the frame of the file.
+SavedMap first_submap(SavedMap saved);
+
 /// A keyframe of the active submap, found in another one.
 struct JoinFind {
   Constraint closure;  ///< to the keyframe

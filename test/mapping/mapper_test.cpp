@@ -254,6 +254,11 @@ TEST_CASE(
   CHECK(other.other_submaps() == 1);
   CHECK(other.save().constraints.size() == saved.constraints.size());
   for (const ArchivedKeyframe& k : other.save().keyframes) CHECK(k.map_from_body.translation().norm() < 20);
+  const std::size_t first = first_submap(saved).keyframes.size();
+  CHECK(first == submaps_of(saved).front().graph.nodes().size() - 1);
+  CHECK(first < saved.keyframes.size());
+  other.load(saved, true);
+  CHECK(other.save().keyframes.size() == first);
 
   mapper.give(RecoveryAnswer());  // late
   for (; i < 300 && mapper.other_submaps() > 0; ++i) {
