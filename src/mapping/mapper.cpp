@@ -75,7 +75,7 @@ void Mapper::begin_submap() {
   submap_ = tracker_.submap();
   active_.own_from_map = tracker_.map_from_own().inverse();
   others_.push_back(std::exchange(active_, Submap()));
-  for (Submap& other : others_) other.own_from_map.translation().x() -= kSubmapsApart;
+  for (Submap& other : others_) other.own_from_map.translation().x() -= tracker_.moved_away();
   forget_revisits();
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "geometry/elementary.hpp"
@@ -177,8 +178,13 @@ void KeyframeArchive::remove(std::uint32_t id) {
   count_points();
 }
 
-void KeyframeArchive::begin_submap(const KeyframeArchive& seen) {
-  for (ArchivedKeyframe& k : keyframes_) k.map_from_body.translation().x() -= kSubmapsApart;
+double KeyframeArchive::begin_submap(const KeyframeArchive& seen) {
+  double last = -std::numeric_limits<double>::infinity(), first = -last;
+  for (const ArchivedKeyframe& k : keyframes_) last = std::max(last, k.map_from_body.translation().x());
+  for (const ArchivedKeyframe& k : seen.keyframes_)
+    first = std::min(first, k.map_from_body.translation().x());
+  const double away = seen.empty() ? 0.0 : std::max(0.0, last + kSubmapsApart - first);
+  for (ArchivedKeyframe& k : keyframes_) k.map_from_body.translation().x() -= away;
   std::map<std::uint32_t, std::uint32_t> ids;
   for (ArchivedKeyframe k : seen.keyframes_) {
     const std::uint32_t id = ids[k.id] = next_id_++;
@@ -192,6 +198,7 @@ void KeyframeArchive::begin_submap(const KeyframeArchive& seen) {
     keyframes_.push_back(std::move(k));
   }
   evict();
+  return away;
 }
 
 KeyframeArchive KeyframeArchive::without(const std::map<std::uint32_t, Pose>& nodes) const {

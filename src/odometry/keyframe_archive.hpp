@@ -84,8 +84,9 @@ class KeyframeArchive {
   void remove(std::uint32_t id);
   /// New poses, by id.
   void move(const std::map<std::uint32_t, Pose>& map_from_body);
-  /// These are of another submap: those that are there already are moved away from them.
-  void begin_submap(const KeyframeArchive& seen);
+  /// These are of another submap. Those that are there already are moved away along x, by as many metres as
+  /// it returns, so that all are kSubmapsApart from the new one at least.
+  double begin_submap(const KeyframeArchive& seen);
   void clear();
   /// Those of its keyframes that are not nodes.
   KeyframeArchive without(const std::map<std::uint32_t, Pose>& nodes) const;

@@ -53,6 +53,7 @@ struct Tracker::State {
 
   TrackingState state = TrackingState::kInitialising;
   std::uint32_t epoch = 0;
+  double moved_away = 0;     // metres along x, the submaps before it
   std::uint32_t submap = 0;  // counts those that the robot began
   ScanClock clock;
   std::int64_t last_utime = 0;  // stamp
@@ -319,7 +320,7 @@ struct Tracker::State {
   /// in it is believed, there is no pose.
   void begin_submap(const PreparedScan& scan, TrackedScan* tracked) {
     Excursion& excursion = relocation.excursion();
-    archive.begin_submap(excursion.seen());
+    moved_away = archive.begin_submap(excursion.seen());
     describe(excursion.attempt(), PoseMethod::kIcp, tracked);
     odometer = excursion.take_odometer();
     relocation.end();
@@ -519,6 +520,9 @@ const LocalMap& Tracker::local_map() const {
 }
 int Tracker::excursion_scans() const {
   return state_->relocation.has_excursion() ? state_->relocation.excursion().scans() : 0;
+}
+double Tracker::moved_away() const {
+  return state_->moved_away;
 }
 std::uint32_t Tracker::submap() const {
   return state_->submap;

@@ -80,6 +80,8 @@ class Tracker {
   /// Counts the submaps: a robot that is lost, and finds no place, goes on in one of its own. Keyframes of
   /// others are kSubmapsApart from it at least; how they really lie to each other is not known.
   std::uint32_t submap() const;
+  /// Metres along -x that keyframes of all others were moved when the last one began.
+  double moved_away() const;
   /// It goes on in another submap, whose poses are told in another frame.
   void set_map_from_own(const Pose& map_from_own);
   /// Whether the last scan was aligned with the map that the archive is of.
