@@ -74,6 +74,7 @@ std::uint32_t Mapper::stamp() {
 void Mapper::begin_submap() {
   submap_ = tracker_.submap();
   active_.own_from_map = tracker_.map_from_own().inverse();
+  active_.graph.add(kOriginNode, Pose::Identity());  // of a fixed map nothing else may be a node
   others_.push_back(std::exchange(active_, Submap()));
   for (Submap& other : others_) other.own_from_map.translation().x() -= tracker_.moved_away();
   forget_revisits();
@@ -268,7 +269,7 @@ std::optional<JoinRequest> Mapper::join_request() {
   if (joined_ == newest.id || !active_.graph.contains(newest.id)) return std::nullopt;
   joined_ = newest.id;
   const Surroundings seen{tracker_.local_map(), tracker_.own_from_body(), scans_, std::nullopt};
-  const KeyframeArchive elsewhere = tracker_.archive().without(active_.graph.nodes());
+  const KeyframeArchive elsewhere = tracker_.archive().without(active_.graph.nodes(), active_.fixed);
   std::optional<RecoveryRequest> search = elsewhere_.next(newest.utime, seen, elsewhere, std::nullopt);
   if (!search) return std::nullopt;
   JoinRequest request;

@@ -201,10 +201,11 @@ double KeyframeArchive::begin_submap(const KeyframeArchive& seen) {
   return away;
 }
 
-KeyframeArchive KeyframeArchive::without(const std::map<std::uint32_t, Pose>& nodes) const {
+KeyframeArchive KeyframeArchive::without(const std::map<std::uint32_t, Pose>& nodes,
+                                         bool without_fixed) const {
   KeyframeArchive others(max_points_);
   for (const ArchivedKeyframe& k : keyframes_) {
-    if (nodes.count(k.id) == 0) others.keyframes_.push_back(k);
+    if (nodes.count(k.id) == 0 && !(without_fixed && is_fixed(k.id))) others.keyframes_.push_back(k);
   }
   return others;
 }

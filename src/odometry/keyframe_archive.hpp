@@ -88,8 +88,8 @@ class KeyframeArchive {
   /// it returns, so that all are kSubmapsApart from the new one at least.
   double begin_submap(const KeyframeArchive& seen);
   void clear();
-  /// Those of its keyframes that are not nodes.
-  KeyframeArchive without(const std::map<std::uint32_t, Pose>& nodes) const;
+  /// Those of its keyframes that are not nodes, nor fixed where those are left out, too.
+  KeyframeArchive without(const std::map<std::uint32_t, Pose>& nodes, bool without_fixed) const;
 
   const std::vector<ArchivedKeyframe>& keyframes() const { return keyframes_; }
   bool empty() const { return keyframes_.empty(); }
