@@ -48,13 +48,14 @@ Attempt align(const ClosureRequest& request, const std::vector<ArchivedKeyframe>
 }  // namespace
 
 std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position, double reach,
-                                         const std::vector<ArchivedKeyframe>& keyframes) {
+                                         const std::vector<ArchivedKeyframe>& keyframes,
+                                         const std::function<bool(const ArchivedKeyframe&)>& is_wanted) {
   const auto distance = [&](const ArchivedKeyframe& k) {
     return (k.map_from_body.translation() - position).norm();
   };
   std::vector<ArchivedKeyframe> near;
   for (const ArchivedKeyframe& k : keyframes)
-    if (distance(k) <= reach) near.push_back(k);
+    if (distance(k) <= reach && is_wanted(k)) near.push_back(k);
   std::stable_sort(near.begin(), near.end(), [&](const ArchivedKeyframe& a, const ArchivedKeyframe& b) {
     return distance(a) < distance(b);
   });

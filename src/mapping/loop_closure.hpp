@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -17,10 +18,11 @@ namespace scanlock {
 /// Node of the map's frame in the graph; keyframes have greater numbers.
 inline constexpr std::uint32_t kOriginNode = 0;
 
-/// Those within `reach` metres of a position, the nearest first; as many as one side of a closure is made
-/// from.
+/// Those of some keyframes within `reach` metres of a position, the nearest first; as many as one side of a
+/// closure is made from.
 std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position, double reach,
-                                         const std::vector<ArchivedKeyframe>& keyframes);
+                                         const std::vector<ArchivedKeyframe>& keyframes,
+                                         const std::function<bool(const ArchivedKeyframe&)>& is_wanted);
 
 /// A keyframe to be aligned with what an earlier visit saw there, and the graph to be optimised by it. A
 /// value: it can be worked on by another thread while the tracker goes on.

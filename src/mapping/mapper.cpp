@@ -13,7 +13,6 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kMostFinds = 5;  // that a join is remembered by: a cap on its cost
 constexpr auto kTrail = static_cast<std::uint32_t>(1 / kPlaceSpacing);  // keyframes of one reach of way
 constexpr int kFewSteps = 4;                                            // constraints of a way
 constexpr double kJumpMetres = 0.05, kJumpRadians = 0.5 * kDegree;      // more is told as a new epoch
@@ -28,7 +27,7 @@ MapAnswer MapWorker::work(const MapRequest& request) {
 
 TrackedScan Mapper::track(const Scan& scan, const ScanPrior& prior) {
   TrackedScan tracked = tracker_.track(scan, prior);
-  scans_ += tracker_.on_known_ground() ? 1 : 0;
+  if (tracker_.on_known_ground()) joins_.note_scan();
   const bool found = tracked.recovery && tracked.recovery->accepted;
   if (tracker_.submap() != submap_) begin_submap();
   if (found) return_to_submap(&tracked);
@@ -110,9 +109,7 @@ void Mapper::forget_revisits() {
   pending_.reset();
   last_revisit_.reset();
   revisits_.clear();
-  finds_.clear();
-  elsewhere_.begin(std::nullopt);
-  elsewhere_.begin_anew();
+  joins_.begin();
 }
 
 /// Keyframes that the archive has added become nodes, and those that it has dropped leave.
@@ -236,6 +233,7 @@ std::optional<ClosureRequest> Mapper::closure_request() {
   // Keyframes within a reach see the same surfaces: their closures share their errors, and say little more.
   if (!pending_ && newest.id < asked_ + kTrail) return std::nullopt;
   asked_ = newest.id;
+  request.serial = ++serial_;
   request.graph = active_.graph;
   request.pending = pending_;
   request.usual_information = usual_information_;
@@ -243,17 +241,18 @@ std::optional<ClosureRequest> Mapper::closure_request() {
 }
 
 /// A keyframe of the active submap, and what is around it there.
-ClosureRequest Mapper::request_around(const ArchivedKeyframe& keyframe) {
+ClosureRequest Mapper::request_around(const ArchivedKeyframe& keyframe) const {
+  const std::vector<ArchivedKeyframe>& keyframes = tracker_.archive().keyframes();
   const Eigen::Vector3d here = keyframe.map_from_body.translation();
-  const std::int64_t since = tracker_.local_map_utime();
-  std::vector<ArchivedKeyframe> earlier, recent;
-  for (const ArchivedKeyframe& k : tracker_.archive().keyframes())
-    if (k.id != keyframe.id) (k.utime < since ? earlier : recent).push_back(k);
   const auto reach = static_cast<double>(keyframe.reach);
+  const std::int64_t since = tracker_.local_map_utime();
   ClosureRequest request;
-  request.earlier = nearest_to(here, reach, earlier);
-  request.recent = nearest_to(here, reach, recent);
-  request.serial = ++serial_;
+  request.earlier = nearest_to(here, reach, keyframes, [&](const ArchivedKeyframe& k) {
+    return k.id != keyframe.id && k.utime < since;
+  });
+  request.recent = nearest_to(here, reach, keyframes, [&](const ArchivedKeyframe& k) {
+    return k.id != keyframe.id && k.utime >= since;
+  });
   request.keyframe = keyframe;
   request.voxel = tracker_.voxel();
   request.planar = tracker_.planar();
@@ -266,18 +265,18 @@ std::optional<JoinRequest> Mapper::join_request() {
   const std::vector<ArchivedKeyframe>& keyframes = tracker_.archive().keyframes();
   if (others_.empty() || keyframes.empty() || !tracker_.on_known_ground()) return std::nullopt;
   const ArchivedKeyframe& newest = keyframes.back();
-  if (joined_ == newest.id || !active_.graph.contains(newest.id)) return std::nullopt;
-  joined_ = newest.id;
-  const Surroundings seen{tracker_.local_map(), tracker_.own_from_body(), scans_, std::nullopt};
-  const KeyframeArchive elsewhere = tracker_.archive().without(active_.graph.nodes(), active_.fixed);
-  std::optional<RecoveryRequest> search = elsewhere_.next(newest.utime, seen, elsewhere, std::nullopt);
+  if (!active_.graph.contains(newest.id) || !joins_.is_due(newest.id)) return std::nullopt;
+  std::optional<RecoveryRequest> search =
+      joins_.next(newest.utime, tracker_.local_map(), tracker_.own_from_body(),
+                  tracker_.archive().without(active_.graph.nodes(), active_.fixed));
   if (!search) return std::nullopt;
   JoinRequest request;
   request.search = std::move(*search);
   request.closure = request_around(newest);
+  request.closure.serial = ++serial_;
   request.active = active_;
   request.others = others_;
-  request.finds = finds_;
+  request.finds = joins_.finds();
   return request;
 }
 
@@ -334,9 +333,7 @@ void Mapper::take_closure(const ClosureAnswer& answer) {
 
 /// Both submaps become one, in the frame of the older.
 void Mapper::take_join(const JoinAnswer& answer) {
-  const bool little = answer.search.evidence == PlaceEvidence::kLittle;
-  const bool found = answer.closure.outcome != ClosureOutcome::kRefused;
-  elsewhere_.take(answer.search.serial, found, little, answer.search.cost_s);
+  joins_.take(answer);
   const Pose before = tracker_.map_from_own();
   Recovery told;
   told.search = answer.search;
@@ -345,12 +342,13 @@ void Mapper::take_join(const JoinAnswer& answer) {
   told.map_from_predicted = renormalised(before * answer.search.map_from_predicted * before.inverse());
   correction_ = told;
   const Constraint& closure = answer.closure.closure;
-  if (answer.closure.serial != serial_ || !found || !active_.graph.contains(closure.to)) return;
+  if (answer.closure.outcome == ClosureOutcome::kRefused || answer.closure.serial != serial_ ||
+      !active_.graph.contains(closure.to))
+    return;
   const std::optional<std::size_t> place = submap_of(answer.closure.nearest_keyframe, others_);
   if (!place || !others_[*place].graph.contains(closure.from)) return;
   if (answer.closure.outcome == ClosureOutcome::kPending) {
-    finds_.insert(finds_.begin(), {closure, answer.closure.nearest_keyframe});
-    finds_.resize(std::min(finds_.size(), kMostFinds));
+    joins_.remember({closure, answer.closure.nearest_keyframe});
     return;
   }
   const Submap other = std::move(others_[*place]);
@@ -413,11 +411,11 @@ Matrix6 Mapper::seen_from_robot(std::uint32_t keyframe, const Matrix6& covarianc
 
 Pose Mapper::correction(std::uint32_t stamp) const {
   if (!history_) return Pose::Identity();
-  const std::optional<std::uint32_t> keyframe = history_->keyframe(stamp);
-  const auto other = std::find_if(others_.begin(), others_.end(), [&](const Submap& submap) {
-    return keyframe && submap.graph.contains(*keyframe);
+  return history_->correction(stamp, [this](std::uint32_t keyframe) {
+    const auto is_there = [&](const Submap& submap) { return submap.graph.contains(keyframe); };
+    const auto other = std::find_if(others_.begin(), others_.end(), is_there);
+    return (other == others_.end() ? active_ : *other).graph.nodes().at(keyframe);
   });
-  return history_->correction(stamp, (other == others_.end() ? active_ : *other).graph.nodes());
 }
 
 void Mapper::reset() {
@@ -429,7 +427,7 @@ void Mapper::reset() {
   }
   others_.clear();
   submap_ = tracker_.submap();
-  known_ = considered_ = asked_ = joined_ = 0;
+  known_ = considered_ = asked_ = 0;
   forget_revisits();
   correction_.reset();
   open_.reset();

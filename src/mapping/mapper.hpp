@@ -14,7 +14,7 @@
 #include "mapping/pose_graph.hpp"
 #include "mapping/pose_history.hpp"
 #include "mapping/submap.hpp"
-#include "odometry/place_search.hpp"
+#include "mapping/submap_join.hpp"
 #include "odometry/tracker.hpp"
 
 namespace scanlock {
@@ -45,7 +45,7 @@ class MapWorker {
 /// to kOriginNode. As the tracker, a pure function of its state, the scans and the answers.
 class Mapper {
  public:
-  explicit Mapper(const TrackerConfig& config) : tracker_(config), elsewhere_(config.search_cores) {}
+  explicit Mapper(const TrackerConfig& config) : tracker_(config), joins_(config.search_cores) {}
 
   TrackedScan track(const Scan& scan, const ScanPrior& prior = {});
 
@@ -93,7 +93,7 @@ class Mapper {
   void renew(std::uint32_t id, const Revisit& revisit);
   void connect_odometry(const ArchivedKeyframe& keyframe);
   std::optional<ClosureRequest> closure_request();
-  ClosureRequest request_around(const ArchivedKeyframe& keyframe);
+  ClosureRequest request_around(const ArchivedKeyframe& keyframe) const;
   std::optional<JoinRequest> join_request();
   bool is_known(Revisit revisit);
   void note_revisit(const Revisit& revisit);
@@ -103,13 +103,10 @@ class Mapper {
   Matrix6 seen_from_robot(std::uint32_t keyframe, const Matrix6& covariance) const;
 
   Tracker tracker_;
-  Submap active_;                ///< where the robot is; where its frame lies the tracker knows
-  std::vector<Submap> others_;   ///< in no order
-  std::uint32_t submap_ = 0;     ///< as the tracker counts
-  int scans_ = 0;                ///< that were aligned
-  PlaceSearch elsewhere_;        ///< in the others
-  std::uint32_t joined_ = 0;     ///< the last keyframe that might have been looked for there
-  std::vector<JoinFind> finds_;  ///< of searches there, the newest first
+  Submap active_;               ///< where the robot is; where its frame lies the tracker knows
+  std::vector<Submap> others_;  ///< in no order
+  std::uint32_t submap_ = 0;    ///< as the tracker counts
+  JoinSearch joins_;            ///< of the active submap with the others
   std::optional<PoseHistory> history_;
   struct Open {
     std::uint32_t stamp = 0;

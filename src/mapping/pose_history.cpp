@@ -45,22 +45,14 @@ void PoseHistory::remove(std::uint32_t keyframe, const Pose& map_from_keyframe) 
   current_.erase(at);
 }
 
-std::optional<std::uint32_t> PoseHistory::keyframe(std::uint32_t stamp) const {
-  const Anchor* anchor = &anchors_[stamps_[stamp].anchor];
-  while (anchor->kind == Anchor::Kind::kTied) anchor = &anchors_[anchor->to];
-  if (anchor->kind == Anchor::Kind::kFixed) return std::nullopt;
-  return anchor->to;
-}
-
 Pose PoseHistory::correction(std::uint32_t stamp,
-                             const std::map<std::uint32_t, Pose>& map_from_keyframe) const {
+                             const std::function<Pose(std::uint32_t)>& map_from_keyframe) const {
   const Stamp& then = stamps_[stamp];
   Pose onwards = Pose::Identity();
   const Anchor* anchor = &anchors_[then.anchor];
   for (; anchor->kind == Anchor::Kind::kTied; anchor = &anchors_[anchor->to])
     onwards = anchor->from_here * onwards;
-  const Pose now =
-      anchor->kind == Anchor::Kind::kFixed ? anchor->from_here : map_from_keyframe.at(anchor->to);
+  const Pose now = anchor->kind == Anchor::Kind::kFixed ? anchor->from_here : map_from_keyframe(anchor->to);
   const Pose map_from_here = now * onwards;
   if (map_from_here.matrix() == then.map_from_keyframe.matrix()) return Pose::Identity();
   return renormalised(map_from_here * then.map_from_keyframe.inverse());

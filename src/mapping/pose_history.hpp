@@ -3,8 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
-#include <optional>
 #include <vector>
 
 #include "geometry/rigid.hpp"
@@ -29,12 +29,10 @@ class PoseHistory {
   /// A keyframe goes: what is tied to it stays there.
   void remove(std::uint32_t keyframe, const Pose& map_from_keyframe);
 
-  /// The keyframe that poses of a stamp follow; none where they follow nothing any more.
-  std::optional<std::uint32_t> keyframe(std::uint32_t stamp) const;
-
   /// What leads from a pose as it was told to the pose in the map as it is now: correction * told. The
-  /// identity, exactly, where its keyframe has not moved. Keyframes by their ids.
-  Pose correction(std::uint32_t stamp, const std::map<std::uint32_t, Pose>& map_from_keyframe) const;
+  /// identity, exactly, where its keyframe has not moved. `map_from_keyframe`: where a keyframe is, by its
+  /// id.
+  Pose correction(std::uint32_t stamp, const std::function<Pose(std::uint32_t)>& map_from_keyframe) const;
 
  private:
   /// A keyframe as it was before it was renewed or removed.

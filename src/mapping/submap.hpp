@@ -5,12 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "mapping/loop_closure.hpp"
 #include "mapping/pose_graph.hpp"
-#include "odometry/recovery.hpp"
+#include "odometry/keyframe_archive.hpp"
 
 namespace scanlock {
 
@@ -43,32 +42,5 @@ std::vector<Submap> submaps_of(const SavedMap& saved);
 
 /// The keyframes alone that are tied to the frame of the file.
 SavedMap first_submap(SavedMap saved);
-
-/// A keyframe of the active submap, found in another one.
-struct JoinFind {
-  Constraint closure;  ///< to the keyframe
-  std::uint32_t nearest_keyframe = 0;
-};
-
-/// To look for the active submap's newest keyframe in all others. A value: it can be worked on by another
-/// thread.
-struct JoinRequest {
-  RecoveryRequest search;  ///< of what is around the keyframe, in the other submaps
-  ClosureRequest closure;  ///< `recent` is around the keyframe; there is no `earlier`, nor `nearest`
-  Submap active;
-  std::vector<Submap> others;
-  std::vector<JoinFind> finds;  ///< earlier ones, of this active submap
-};
-
-struct JoinAnswer {
-  RecoveryAnswer search;
-  ClosureAnswer closure;  ///< kPending: found; kAccepted: enough finds agree, and both submaps are one
-  std::size_t other = 0;  ///< place of the submap, among the others
-  std::vector<Constraint> agreeing;  ///< of an accepted one: the earlier finds that say the same
-};
-
-/// Finds the place by certified search, aligns the keyframe there, and accepts it when an earlier find, of
-/// another place, says the same of how the two submaps lie to each other (of a planar sensor, three).
-JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const TrackerConfig& config);
 
 }  // namespace scanlock

@@ -93,12 +93,17 @@ void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double 
   keyframe.map_from_body = map_from_body;
   keyframe.reach = static_cast<float>(reach);
   keyframe.points = std::make_shared<const PointCloud>(std::move(thin));
-  keyframe.id = next_id_++;
   keyframe.tie = tie;
-  if (keyframe.tie) keyframe.tie->to = keyframe.id;
   keyframe.signature = signature_of(keyframe);
-  keyframes_.push_back(std::move(keyframe));
+  append(std::move(keyframe));
   evict();
+}
+
+/// The tie is from a keyframe that is there.
+void KeyframeArchive::append(ArchivedKeyframe keyframe) {
+  keyframe.id = next_id_++;
+  if (keyframe.tie) keyframe.tie->to = keyframe.id;
+  keyframes_.push_back(std::move(keyframe));
 }
 
 void KeyframeArchive::renew(std::uint32_t old, std::uint32_t newer) {
@@ -185,17 +190,14 @@ double KeyframeArchive::begin_submap(const KeyframeArchive& seen) {
     first = std::min(first, k.map_from_body.translation().x());
   const double away = seen.empty() ? 0.0 : std::max(0.0, last + kSubmapsApart - first);
   for (ArchivedKeyframe& k : keyframes_) k.map_from_body.translation().x() -= away;
-  std::map<std::uint32_t, std::uint32_t> ids;
+  std::map<std::uint32_t, std::uint32_t> ids;  // here, by those there
   for (ArchivedKeyframe k : seen.keyframes_) {
-    const std::uint32_t id = ids[k.id] = next_id_++;
-    if (k.tie && ids.count(k.tie->from)) {
-      k.tie->from = ids.at(k.tie->from);
-      k.tie->to = id;
-    } else {
+    ids.emplace(k.id, next_id_);
+    if (const auto from = k.tie ? ids.find(k.tie->from) : ids.end(); from != ids.end())
+      k.tie->from = from->second;
+    else
       k.tie.reset();
-    }
-    k.id = id;
-    keyframes_.push_back(std::move(k));
+    append(std::move(k));
   }
   evict();
   return away;

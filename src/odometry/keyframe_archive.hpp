@@ -103,6 +103,7 @@ class KeyframeArchive {
 
  private:
   std::size_t nearest_index(const Eigen::Vector3d& position) const;
+  void append(ArchivedKeyframe keyframe);
   void count_points();
   void evict();
 

@@ -53,7 +53,7 @@ void PlaceSearch::begin_anew() {
 std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surroundings& seen,
                                                  const KeyframeArchive& archive,
                                                  const std::optional<Eigen::Vector3d>& up) {
-  if (!has_credit(utime) || out_ || archive.empty() || seen.scans < scans_wanted_) return std::nullopt;
+  if (!has_credit(utime) || archive.empty() || !is_due(seen.scans)) return std::nullopt;
   RecoveryRequest request;
   request.serial = ++serial_;
   const Eigen::Vector3d here = seen.map_from_body.translation();

@@ -25,6 +25,8 @@ class PlaceSearch {
   /// too late.
   void begin_anew();
 
+  /// Whether there may be a request once so many scans were seen.
+  bool is_due(int scans) const { return !out_ && scans >= scans_wanted_; }
   /// The next request, when enough was seen for it and none is out. `up`: in the map frame, where that was
   /// measured.
   std::optional<RecoveryRequest> next(std::int64_t utime, const Surroundings& seen,

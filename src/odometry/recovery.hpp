@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -55,6 +56,12 @@ enum class PlaceEvidence : std::int8_t {
 
 /// Of what was seen, the share that contradicts a place (see CloudFit) which is sound nevertheless.
 inline constexpr double kSoundContradiction = 0.015;
+
+/// Earlier finds that have to say the same as one which is not clear by itself; with a planar sensor one room
+/// is soon like another.
+inline constexpr std::ptrdiff_t kAgreeing = 1, kPlanarAgreeing = 3;
+/// Finds that are remembered, and places that are tried at once: a cap on their cost.
+inline constexpr std::size_t kMostPlaces = 5;
 
 /// What a search found.
 struct RecoveryAnswer {

@@ -12,13 +12,11 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kMostPlaces = 5;  // tried at once
-constexpr int kPatience = 20;           // scans in which a lost robot feels around on each,
-constexpr int kSeldom = 5;              // and after that on every fifth
-constexpr double kFarGate = 2.0;        // metres: a prediction so far off needs the far reach
-constexpr double kAgreeMetres = 1.0;    // metres: finds of two searches that mean the same,
+constexpr int kPatience = 20;         // scans in which a lost robot feels around on each,
+constexpr int kSeldom = 5;            // and after that on every fifth
+constexpr double kFarGate = 2.0;      // metres: a prediction so far off needs the far reach
+constexpr double kAgreeMetres = 1.0;  // metres: finds of two searches that mean the same,
 constexpr double kAgreeRadians = 6.0 * kDegree;
-constexpr int kAgreeing = 1, kPlanarAgreeing = 3;  // earlier finds: in a plane one room is soon like another
 constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival is enough there
 // What a robot that nobody sees does not do between the last scan that was believed and the first of those
 // that are matched with the map: more makes it another place.

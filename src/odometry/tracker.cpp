@@ -164,7 +164,6 @@ struct Tracker::State {
       // less.
       if (plausible(again)) best = better(std::move(best), std::move(again));
     }
-    best.prior = prior;
     return best;
   }
 

@@ -13,6 +13,10 @@ Pose at(double x, double heading) {
   return se3_exp(xi);
 }
 
+std::function<Pose(std::uint32_t)> in(const std::map<std::uint32_t, Pose>& map) {
+  return [&map](std::uint32_t keyframe) { return map.at(keyframe); };
+}
+
 }  // namespace
 
 TEST_CASE("poses follow the keyframe that they were told at, through all that becomes of it") {
@@ -22,29 +26,29 @@ TEST_CASE("poses follow the keyframe that they were told at, through all that be
   CHECK(history.stamp(1, map[1]) == one);
   const std::uint32_t two = history.stamp(2, map[2]);
   CHECK(two != one);
-  CHECK(history.correction(one, map).matrix() == Pose::Identity().matrix());
+  CHECK(history.correction(one, in(map)).matrix() == Pose::Identity().matrix());
 
   // The map is bent: a pose told then is where it was in its keyframe.
   const Pose by_one = at(0.3, 0.05), by_two = at(0.5, 0.02);
   map[1] = by_one * map[1];
   map[2] = by_two * map[2];
-  CHECK(near(history.correction(one, map), by_one, 1e-12, 1e-12));
-  CHECK(near(history.correction(two, map), by_two, 1e-12, 1e-12));
+  CHECK(near(history.correction(one, in(map)), by_one, 1e-12, 1e-12));
+  CHECK(near(history.correction(two, in(map)), by_two, 1e-12, 1e-12));
   const std::uint32_t later = history.stamp(2, map[2]);
   CHECK(later != two);
-  CHECK(history.correction(later, map).matrix() == Pose::Identity().matrix());
+  CHECK(history.correction(later, in(map)).matrix() == Pose::Identity().matrix());
 
   // Keyframe 1 is renewed by 2, and moves on as that.
   history.renew(1, 2, map[1].inverse() * map[2]);
   map[1] = map[2];
   map.erase(2);
-  CHECK(near(history.correction(one, map), by_one, 1e-12, 1e-12));
-  CHECK(near(history.correction(two, map), by_two, 1e-12, 1e-12));
+  CHECK(near(history.correction(one, in(map)), by_one, 1e-12, 1e-12));
+  CHECK(near(history.correction(two, in(map)), by_two, 1e-12, 1e-12));
   const Pose again = at(-0.2, 0.3);
   map[1] = again * map[1];
-  CHECK(near(history.correction(one, map), again * by_one, 1e-12, 1e-12));
-  CHECK(near(history.correction(two, map), again * by_two, 1e-12, 1e-12));
-  CHECK(near(history.correction(later, map), again, 1e-12, 1e-12));
+  CHECK(near(history.correction(one, in(map)), again * by_one, 1e-12, 1e-12));
+  CHECK(near(history.correction(two, in(map)), again * by_two, 1e-12, 1e-12));
+  CHECK(near(history.correction(later, in(map)), again, 1e-12, 1e-12));
 
   // It is renewed once more, and then forgotten.
   map[3] = at(7, 0);
@@ -54,8 +58,8 @@ TEST_CASE("poses follow the keyframe that they were told at, through all that be
   map.erase(3);
   history.remove(1, map[1]);
   map.clear();
-  CHECK(near(history.correction(one, map), again * by_one, 1e-12, 1e-12));
-  CHECK(near(history.correction(later, map), again, 1e-12, 1e-12));
+  CHECK(near(history.correction(one, in(map)), again * by_one, 1e-12, 1e-12));
+  CHECK(near(history.correction(later, in(map)), again, 1e-12, 1e-12));
 }
 
 TEST_CASE("poses told of a robot that did not know where it was follow what it learnt later") {
@@ -65,13 +69,13 @@ TEST_CASE("poses told of a robot that did not know where it was follow what it l
   CHECK(first != second);
   map[2] = at(5, 0.4);
   history.close(second, Pose::Identity(), 2, map[2]);
-  CHECK(history.correction(second, map).matrix() == Pose::Identity().matrix());
+  CHECK(history.correction(second, in(map)).matrix() == Pose::Identity().matrix());
   const Pose correction = at(3, -0.2), bent = at(0.1, 0.02);
   history.close(second, correction, 2, map[2]);
-  CHECK(near(history.correction(second, map), correction, 1e-12, 1e-12));
+  CHECK(near(history.correction(second, in(map)), correction, 1e-12, 1e-12));
   map[2] = bent * map[2];
-  CHECK(near(history.correction(second, map), bent * correction, 1e-12, 1e-12));
-  CHECK(history.correction(first, map).matrix() == Pose::Identity().matrix());
+  CHECK(near(history.correction(second, in(map)), bent * correction, 1e-12, 1e-12));
+  CHECK(history.correction(first, in(map)).matrix() == Pose::Identity().matrix());
 }
 
 }  // namespace scanlock

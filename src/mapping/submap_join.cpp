@@ -1,0 +1,106 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "mapping/submap_join.hpp"
+
+#include <algorithm>
+
+#include "odometry/tracking_promise.hpp"
+
+namespace scanlock {
+namespace {
+
+/// How far a search of that resolution may be off.
+Matrix6 resolution(const RecoveryRequest& search, double reach) {
+  Vector6 sigma;
+  sigma << Eigen::Vector3d::Constant(search.voxel), Eigen::Vector3d::Constant(search.voxel / reach);
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
+}  // namespace
+
+JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const TrackerConfig& config) {
+  JoinAnswer answer;
+  answer.search = finder.find(request.search);
+  answer.closure.serial = request.closure.serial;
+  answer.closure.keyframe = request.closure.keyframe.id;
+  answer.closure.reason = answer.search.reason;
+  if (answer.search.verdict != PlaceVerdict::kFound || answer.search.contradiction > kSoundContradiction)
+    return answer;
+
+  ClosureRequest closure = request.closure;
+  const Pose expected = renormalised(answer.search.map_from_predicted * closure.keyframe.map_from_body);
+  const auto reach = static_cast<double>(closure.keyframe.reach);
+  closure.earlier = nearest_to(expected.translation(), reach, request.search.places,
+                               [](const ArchivedKeyframe&) { return true; });
+  if (closure.earlier.empty()) return answer;
+  const ArchivedKeyframe& nearest = closure.earlier.front();
+  const std::optional<std::size_t> other = submap_of(nearest.id, request.others);
+  if (!other) return answer;
+  const Submap& submap = request.others[*other];
+  const bool is_node = submap.graph.contains(nearest.id);
+  answer.closure.nearest_keyframe = nearest.id;
+  answer.closure.nearest = closure.nearest = is_node ? nearest.id : kOriginNode;
+  closure.own_from_nearest = is_node ? nearest.map_from_body : submap.own_from_map;
+  const std::optional<Constraint> found =
+      find_closure(closure, expected, resolution(request.search, reach), config, &answer.closure.reason);
+  if (!found) return answer;
+  // In a tunnel every place along it fits, and agrees with every other.
+  if (unknown_axes(inverse(found->information), ~0U) != 0) {
+    answer.closure.reason.insert(0, "leaves a motion open: ");
+    return answer;
+  }
+  answer.closure.closure = *found;
+  answer.closure.outcome = ClosureOutcome::kPending;
+
+  const auto place = [&](std::uint32_t keyframe) -> Eigen::Vector3d {
+    return request.active.graph.nodes().at(keyframe).translation();
+  };
+  for (const JoinFind& find : request.finds) {
+    const Constraint& earlier = find.closure;
+    const bool there = submap.graph.contains(earlier.from) && request.active.graph.contains(earlier.to) &&
+                       submap_of(find.nearest_keyframe, request.others) == other;
+    if (!there || (place(earlier.to) - place(found->to)).norm() < kSameSpot * reach) continue;
+    if (agree(submap.graph, request.active.graph, earlier, *found)) answer.agreeing.push_back(earlier);
+  }
+  if (answer.agreeing.size() < static_cast<std::size_t>(closure.planar ? kPlanarAgreeing : kAgreeing))
+    return answer;
+  answer.closure.outcome = ClosureOutcome::kAccepted;
+  PoseGraph graph = joined(request.active, submap, *found);
+  for (const Constraint& c : answer.agreeing) graph.connect(c);
+  graph.connect(*found);
+  graph.optimise();
+  answer.closure.map_from_node = graph.nodes();
+  answer.closure.covariance = graph.covariance(found->from, found->to);
+  answer.closure.drift = graph.covariance(kOriginNode, found->to);
+  return answer;
+}
+
+void JoinSearch::begin() {
+  finds_.clear();
+  search_.begin(std::nullopt);
+  search_.begin_anew();
+}
+
+bool JoinSearch::is_due(std::uint32_t newest) {
+  const bool is_new = asked_ != newest;
+  asked_ = newest;
+  return is_new && search_.is_due(scans_);
+}
+
+std::optional<RecoveryRequest> JoinSearch::next(std::int64_t utime, const LocalMap& map,
+                                                const Pose& map_from_body, const KeyframeArchive& elsewhere) {
+  return search_.next(utime, {map, map_from_body, scans_, std::nullopt}, elsewhere, std::nullopt);
+}
+
+void JoinSearch::take(const JoinAnswer& answer) {
+  const RecoveryAnswer& search = answer.search;
+  search_.take(search.serial, answer.closure.outcome != ClosureOutcome::kRefused,
+               search.evidence == PlaceEvidence::kLittle, search.cost_s);
+}
+
+void JoinSearch::remember(const JoinFind& find) {
+  finds_.insert(finds_.begin(), find);
+  finds_.resize(std::min(finds_.size(), kMostPlaces));
+}
+
+}  // namespace scanlock

@@ -1,0 +1,70 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "mapping/loop_closure.hpp"
+#include "mapping/submap.hpp"
+#include "odometry/place_search.hpp"
+#include "odometry/recovery.hpp"
+
+namespace scanlock {
+
+/// A keyframe of the active submap, found in another one.
+struct JoinFind {
+  Constraint closure;  ///< to the keyframe
+  std::uint32_t nearest_keyframe = 0;
+};
+
+/// To look for the active submap's newest keyframe in all others. A value: it can be worked on by another
+/// thread.
+struct JoinRequest {
+  RecoveryRequest search;  ///< of what is around the keyframe, in the other submaps
+  ClosureRequest closure;  ///< `recent` is around the keyframe; there is no `earlier`, nor `nearest`
+  Submap active;
+  std::vector<Submap> others;
+  std::vector<JoinFind> finds;  ///< earlier ones, of this active submap
+};
+
+struct JoinAnswer {
+  RecoveryAnswer search;
+  ClosureAnswer closure;  ///< kPending: found; kAccepted: enough finds agree, and both submaps are one
+  std::size_t other = 0;  ///< place of the submap, among the others
+  std::vector<Constraint> agreeing;  ///< of an accepted one: the earlier finds that say the same
+};
+
+/// Finds the place by certified search, aligns the keyframe there, and accepts it when an earlier find, of
+/// another place, says the same of how the two submaps lie to each other (of a planar sensor, three).
+JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const TrackerConfig& config);
+
+/// When the other submaps are searched, and what was found in them so far.
+class JoinSearch {
+ public:
+  /// `cores`: see PlaceSearch.
+  explicit JoinSearch(double cores) : search_(cores) {}
+
+  /// The active submap is another one: what was found is void.
+  void begin();
+  /// A scan was aligned with the active submap.
+  void note_scan() { ++scans_; }
+  /// Whether to look for a keyframe, which is asked once for each, in the other submaps.
+  bool is_due(std::uint32_t newest);
+  /// That search, where its budget allows it. `elsewhere`: the keyframes of the other submaps.
+  std::optional<RecoveryRequest> next(std::int64_t utime, const LocalMap& map, const Pose& map_from_body,
+                                      const KeyframeArchive& elsewhere);
+  /// Of every answer.
+  void take(const JoinAnswer& answer);
+  void remember(const JoinFind& find);
+  const std::vector<JoinFind>& finds() const { return finds_; }
+
+ private:
+  PlaceSearch search_;
+  int scans_ = 0;
+  std::uint32_t asked_ = 0;      ///< keyframe
+  std::vector<JoinFind> finds_;  ///< the newest first
+};
+
+}  // namespace scanlock
