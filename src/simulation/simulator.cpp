@@ -15,8 +15,8 @@
 namespace scanlock {
 namespace {
 
-constexpr double kDefaultSeconds = 60, kLongest = 36000;  // seconds
-constexpr int kMostLaps = 100;
+constexpr double kDefaultSeconds = 60, kLongest = 90000;  // seconds
+constexpr int kMostLaps = 1000;
 constexpr std::size_t kBlock = 2048;    // beams that share a random stream
 constexpr std::uint64_t kNoise = 1000;  // first stream of the noise, one a sweep
 
@@ -28,9 +28,9 @@ std::string text_of(double number) {
 
 SimulationConfig checked(const SimulationConfig& config) {
   if (config.seconds && (!(*config.seconds > 0) || *config.seconds > kLongest))
-    throw std::invalid_argument("seconds must be more than 0 and at most 36000");
+    throw std::invalid_argument("seconds must be more than 0 and at most 90000");
   if (config.laps && (*config.laps < 1 || *config.laps > kMostLaps))
-    throw std::invalid_argument("laps must lie between 1 and 100");
+    throw std::invalid_argument("laps must lie between 1 and 1000");
   if (!(config.speed_mps >= 0) || config.speed_mps > 60)
     throw std::invalid_argument("the speed must lie between 0 and 60 m/s");
   if (!(config.start_speed_mps >= 0) || config.start_speed_mps > 60)
@@ -57,7 +57,7 @@ double drive_seconds(const SimulationConfig& config, const World& world, const L
     const double laps_s = driving_time(world.route, world.style, world.laps_end_m, config.seed);
     if (laps_s > kLongest && !config.seconds)
       throw std::invalid_argument("the laps take " + text_of(laps_s) +
-                                  " s, more than 36000: let it drive fewer or faster");
+                                  " s, more than 90000: let it drive fewer or faster");
     seconds = std::min(seconds, laps_s);
   }
   if (std::floor(seconds / lidar.period_s + 1e-6) < 1)
