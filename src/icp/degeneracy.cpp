@@ -84,20 +84,6 @@ Degeneracy find_degeneracy(const Matrix6& information) {
   return result;
 }
 
-std::uint32_t open_axes(const Matrix6& information, const Matrix6& noise, const Matrix6& predicted) {
-  const Matrix6 half = cholesky(predicted);
-  const SymmetricEigen<6> eigen =
-      symmetric_eigen(Matrix6(half.transpose() * (information - kMostNoise * noise) * half));
-  const Vector6 gained = eigen.values.cwiseMax(0.0);  // of what the prediction knows
-  const Matrix6 motions = half * eigen.vectors;
-  std::uint32_t axes = 0;
-  for (int axis = 0; axis < 6; ++axis) {
-    const double left = motions.row(axis).cwiseAbs2() * (1.0 + gained.array()).inverse().matrix();
-    if (!(left < 0.5 * predicted(axis, axis))) axes |= 1u << axis;
-  }
-  return axes;
-}
-
 Observed observed(const Matrix6& information, const Matrix6& noise, const Matrix6& predicted) {
   Observed result{Matrix6::Identity(), Matrix6::Identity()};
   for (const Direction& direction : directions_of(information, noise, 0)) {

@@ -21,12 +21,6 @@ struct Degeneracy {
 };
 Degeneracy find_degeneracy(const Matrix6& information);
 
-/// The axes (bits as in Degeneracy) in which a scan says less of a pose than the prediction did.
-/// `information`: of the scan, H over the variance of a residual; `noise`: the part of it that errors of the
-/// normals make, as expected, which says nothing; `predicted`: covariance of the prediction. All in the body
-/// frame.
-std::uint32_t open_axes(const Matrix6& information, const Matrix6& noise, const Matrix6& predicted);
-
 /// What an alignment may take for seen, where errors of normals make a part of H that holds back what slides
 /// freely. Along a translation that has h of H, n of it noise, and p of the prediction, the alignment moved
 /// by h / (p + h) of what the scan says; with the information i = h - 2 n that is surely real it would have
@@ -35,7 +29,8 @@ struct Observed {
   Matrix6 motion;       ///< times what the alignment moved a pose from its prediction: what to take of it
   Matrix6 information;  ///< a square root of the share that is real: information^T H information is
 };
-/// Arguments as of open_axes.
+/// `information`: of the scan, H over the variance of a residual; `noise`: the part of it that errors of the
+/// normals make, as expected; `predicted`: covariance of the prediction. All in the body frame.
 Observed observed(const Matrix6& information, const Matrix6& noise, const Matrix6& predicted);
 
 }  // namespace scanlock

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
+#include "geometry/linear.hpp"
+#include "odometry/tracking_promise.hpp"
 
 namespace scanlock {
 namespace {
@@ -15,8 +17,7 @@ namespace {
 constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kSoundShare = 0.75, kClearShare = 0.65,
                  kTwiceShare = 0.25, kStandingShare = 0.3;
 constexpr double kUnknownShare = 0.5;  // the usual one, before a second scan
-constexpr double kSamePlace = 0.5, kSameHeading = 3.0 * kDegree;
-constexpr int kWins = 3;  // scans in a row
+constexpr int kWins = 3;               // scans in a row
 constexpr int kMissesAllowed = 1;
 // What the excursion has drifted since the search may be farther off than an alignment reaches that looks
 // near. So many places are looked for farther off on one scan, for it takes time; all are in kWins scans.
@@ -26,6 +27,7 @@ constexpr double kClearly = 1.3;                       // times the cost of the 
 constexpr double kAtLeast = 0.03;                      // that much more: clearly worse
 constexpr double kHopeless = 2.0;                      // times the cost: out
 constexpr std::uint32_t kOnTheGround = 1u | 2u | 32u;  // x, y, yaw
+constexpr double kNothing = 1e-6;                      // information of what is open: it stays invertible
 
 /// Whether two corrections put a body that is predicted there to about the same pose. (Their own translations
 /// say nothing: they grow with the distance from the map's origin.)
@@ -35,7 +37,8 @@ bool same_place(const Pose& a, const Pose& b, const Pose& predicted, double metr
 
 /// Whether the place slides along what is seen: a tunnel is the same everywhere.
 bool is_open(const Attempt& attempt) {
-  return (attempt.open_axes() & kOnTheGround) != 0;
+  const Matrix6 covariance = inverse(Matrix6(attempt.information() + kNothing * Matrix6::Identity()));
+  return unknown_axes(covariance, kOnTheGround, kSamePlace, kSameHeading) != 0;
 }
 
 }  // namespace

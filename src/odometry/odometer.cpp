@@ -79,11 +79,6 @@ Vector6 unsolved_bend(const MovingPose& before, const ScanAlignment& now, double
 
 }  // namespace
 
-std::uint32_t Attempt::open_axes() const {
-  return scanlock::open_axes(alignment.pose_information / variance, alignment.noise / variance,
-                             pose_covariance(prior));
-}
-
 Matrix6 Attempt::information() const {
   return corrected(*this, observed(*this, variance)).information.topLeftCorner<6, 6>() / variance;
 }

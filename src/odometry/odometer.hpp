@@ -55,8 +55,6 @@ struct Attempt {
       told;  ///< by other sensors, for what the scene leaves open; else the prior's mean
   Health health;
   double variance = 1;  ///< m^2, of a residual, its correlations counted in
-  /// The axes that the scene leaves open, as bits: see Degeneracy.
-  std::uint32_t open_axes() const;
   /// Of its pose alone: of the data, less what errors of normals make of it, m^-2 and so on.
   Matrix6 information() const;
   /// Unexplained share of the scan.

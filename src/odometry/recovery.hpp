@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/angles.hpp"
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 #include "odometry/keyframe_archive.hpp"
@@ -56,6 +57,9 @@ enum class PlaceEvidence : std::int8_t {
 
 /// Of what was seen, the share that contradicts a place (see CloudFit) which is sound nevertheless.
 inline constexpr double kSoundContradiction = 0.015;
+
+/// Metres and radians: poses so near each other are the same place.
+inline constexpr double kSamePlace = 0.5, kSameHeading = 3.0 * kDegree;
 
 /// Earlier finds that have to say the same as one which is not clear by itself; with a planar sensor one room
 /// is soon like another.

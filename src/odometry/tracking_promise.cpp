@@ -21,7 +21,7 @@ double squared_bound(const Eigen::Matrix3d& covariance) {
   return mean * root * root * root;
 }
 
-std::uint32_t unknown_axes(const Matrix6& covariance, std::uint32_t seen) {
+std::uint32_t unknown_axes(const Matrix6& covariance, std::uint32_t seen, double metres, double radians) {
   std::uint32_t axes = 0;
   for (const int first : {0, 3}) {
     Eigen::Matrix3d part = covariance.block<3, 3>(first, first);
@@ -30,7 +30,7 @@ std::uint32_t unknown_axes(const Matrix6& covariance, std::uint32_t seen) {
       part.row(axis).setZero();
       part.col(axis).setZero();
     }
-    const double most = first == 0 ? kTrackedMetres : kTrackedRadians;
+    const double most = first == 0 ? metres : radians;
     if (squared_bound(part) < most * most) continue;
     int worst = 0;
     part.diagonal().maxCoeff(&worst);

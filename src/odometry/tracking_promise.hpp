@@ -17,8 +17,9 @@ inline constexpr double kTrackedMetres = 0.05, kTrackedRadians = 1.0 * kDegree;
 /// The length, squared, that a normal vector of this covariance exceeds in one case of a hundred.
 double squared_bound(const Eigen::Matrix3d& covariance);
 
-/// The axes, as bits (see Degeneracy), along which a pose of this covariance is not known as TRACKING
-/// promises it; of those in `seen` alone.
-std::uint32_t unknown_axes(const Matrix6& covariance, std::uint32_t seen);
+/// The axes, as bits (see Degeneracy), along which a pose of this covariance is not known so well: of a
+/// hundred 99 are as near as this to the truth. Of those in `seen` alone.
+std::uint32_t unknown_axes(const Matrix6& covariance, std::uint32_t seen, double metres = kTrackedMetres,
+                           double radians = kTrackedRadians);
 
 }  // namespace scanlock
