@@ -27,7 +27,7 @@ constexpr double kClearly = 1.3;                       // times the cost of the 
 constexpr double kAtLeast = 0.03;                      // that much more: clearly worse
 constexpr double kHopeless = 2.0;                      // times the cost: out
 constexpr std::uint32_t kOnTheGround = 1u | 2u | 32u;  // x, y, yaw
-constexpr double kNothing = 1e-6;                      // information of what is open: it stays invertible
+constexpr double kNoInformation = 1e-6;                // information of what is open: it stays invertible
 
 /// Whether two corrections put a body that is predicted there to about the same pose. (Their own translations
 /// say nothing: they grow with the distance from the map's origin.)
@@ -37,7 +37,7 @@ bool same_place(const Pose& a, const Pose& b, const Pose& predicted, double metr
 
 /// Whether the place slides along what is seen: a tunnel is the same everywhere.
 bool is_open(const Attempt& attempt) {
-  const Matrix6 covariance = inverse(Matrix6(attempt.information() + kNothing * Matrix6::Identity()));
+  const Matrix6 covariance = inverse(Matrix6(attempt.information() + kNoInformation * Matrix6::Identity()));
   return unknown_axes(covariance, kOnTheGround, kSamePlace, kSameHeading) != 0;
 }
 

@@ -90,8 +90,8 @@ void Excursion::note_up(const Eigen::Vector3d& up_in_body) {
 }
 
 std::optional<Eigen::Vector3d> Excursion::up() const {
-  constexpr double kAgreeing = 0.5;  // of vectors that point anywhere little is left
-  if (!(up_sum_.norm() > kAgreeing)) return std::nullopt;
+  constexpr double kOneDirection = 0.5;  // of vectors that point anywhere little is left
+  if (!(up_sum_.norm() > kOneDirection)) return std::nullopt;
   return up_sum_.normalized();
 }
 
