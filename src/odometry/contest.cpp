@@ -27,7 +27,6 @@ constexpr double kClearly = 1.3;                       // times the cost of the 
 constexpr double kAtLeast = 0.03;                      // that much more: clearly worse
 constexpr double kHopeless = 2.0;                      // times the cost: out
 constexpr std::uint32_t kOnTheGround = 1u | 2u | 32u;  // x, y, yaw
-constexpr double kNoInformation = 1e-6;                // information of what is open: it stays invertible
 
 /// Whether two corrections put a body that is predicted there to about the same pose. (Their own translations
 /// say nothing: they grow with the distance from the map's origin.)
@@ -35,10 +34,14 @@ bool same_place(const Pose& a, const Pose& b, const Pose& predicted, double metr
   return near(a * predicted, b * predicted, metres, radians);
 }
 
-/// Whether the place slides along what is seen: a tunnel is the same everywhere.
+/// Whether the place slides along what is seen: a tunnel is the same everywhere. Of the pose it is known
+/// before that it is about there, so that what is open in height does not open the ground.
 bool is_open(const Attempt& attempt) {
-  const Matrix6 covariance = inverse(Matrix6(attempt.information() + kNoInformation * Matrix6::Identity()));
-  return unknown_axes(covariance, kOnTheGround, kSamePlace, kSameHeading) != 0;
+  Vector6 about;
+  about << Eigen::Vector3d::Constant(kSamePlace), Eigen::Vector3d::Constant(kSameHeading);
+  const Matrix6 before = about.cwiseAbs2().cwiseInverse().asDiagonal();
+  return unknown_axes(inverse(Matrix6(attempt.information() + before)), kOnTheGround, kSamePlace,
+                      kSameHeading) != 0;
 }
 
 }  // namespace

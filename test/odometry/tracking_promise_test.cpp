@@ -44,6 +44,11 @@ TEST_CASE(
   CHECK(unknown_axes(covariance, 0x3f) == 0u);
   covariance(0, 0) = std::numeric_limits<double>::quiet_NaN();
   CHECK((unknown_axes(covariance, 0x3f) & 1u) == 1u);
+  // Another promise than that of TRACKING: 0.1 m is known to within 0.5 m.
+  covariance = Matrix6::Zero();
+  covariance(0, 0) = 0.1 * 0.1;
+  CHECK(unknown_axes(covariance, 0x3f) == 1u);
+  CHECK(unknown_axes(covariance, 0x3f, 0.5, 0.05) == 0u);
 }
 
 }  // namespace scanlock
