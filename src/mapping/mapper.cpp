@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "geometry/angles.hpp"
+#include "global/hypothesis.hpp"
+#include "odometry/scan_view.hpp"
 
 namespace scanlock {
 namespace {
@@ -16,6 +18,14 @@ namespace {
 constexpr auto kTrail = static_cast<std::uint32_t>(1 / kPlaceSpacing);  // keyframes of one reach of way
 constexpr int kFewSteps = 4;                                            // constraints of a way
 constexpr double kJumpMetres = 0.05, kJumpRadians = 0.5 * kDegree;      // more is told as a new epoch
+
+/// How much of what two keyframes show cannot both be there, whichever of them one asks (0 to 1).
+double contradiction(const ArchivedKeyframe& a, const ArchivedKeyframe& b) {
+  const Pose a_from_b = a.map_from_body.inverse() * b.map_from_body;
+  const ScanView a_view(*a.points), b_view(*b.points);
+  return std::max(a_view.contradicted_share(*b.points, a_from_b, b_view),
+                  b_view.contradicted_share(*a.points, a_from_b.inverse(), a_view));
+}
 
 }  // namespace
 
@@ -121,7 +131,7 @@ void Mapper::follow_archive() {
   }
   known_ = keyframes.back().id + 1;
   drop_evicted();
-  renew_places();
+  drop_redundant();
 }
 
 /// To the keyframe before, to the map's frame where that is fixed, or where there is none.
@@ -164,41 +174,51 @@ void Mapper::drop_evicted() {
   others_.erase(std::remove_if(others_.begin(), others_.end(), is_empty), others_.end());
 }
 
-/// Keyframes that lie a reach behind the robot take the place of those of an earlier visit. Not while a
-/// closure is worked on: its answer has poses of the nodes as they are.
-void Mapper::renew_places() {
+/// Of keyframes that lie a reach behind the robot and show what an earlier visit saw, one is kept. Not while
+/// a closure is worked on: its answer has poses of the nodes as they are.
+void Mapper::drop_redundant() {
   if (out_) return;
   while (!revisits_.empty() && revisits_.begin()->first + kTrail <= known_) {
     const auto [id, revisit] = *revisits_.begin();
     revisits_.erase(revisits_.begin());
-    renew(id, revisit);
+    drop_redundant(id, revisit);
   }
 }
 
-/// Of a map that is fixed the older one stays.
-void Mapper::renew(std::uint32_t id, const Revisit& revisit) {
+/// The older one is kept: a map that is measured against what it was, not against itself, does not drift. But
+/// where the two cannot both be there the place has changed, and the newer one shows it as it is.
+void Mapper::drop_redundant(std::uint32_t id, const Revisit& revisit) {
   const ArchivedKeyframe* newer = tracker_.archive().find(id);
   const ArchivedKeyframe* old = tracker_.archive().find(revisit.nearest_keyframe);
   if (!newer || !old || !active_.graph.contains(id) || !active_.graph.contains(revisit.nearest)) return;
   const double apart = (newer->map_from_body.translation() - old->map_from_body.translation()).norm();
   const double unsure = 3 * std::sqrt(revisit.covariance.diagonal().head<3>().maxCoeff());
   if (std::max(apart, unsure) > kSameSpot * static_cast<double>(newer->reach)) return;
-  if (tracker_.archive().is_fixed(old->id)) {
-    if (history_) history_->remove(id, active_.graph.nodes().at(id));
-    active_.graph.remove(id);
-    tracker_.remove(id);
-  } else {
-    if (history_)
-      history_->renew(old->id, id,
-                      active_.graph.nodes().at(old->id).inverse() * active_.graph.nodes().at(id));
-    active_.graph.renew(old->id, id, revisit.covariance);
-    tracker_.renew(old->id, id);
-    for (auto& [other, at] : revisits_) {
-      if (at.nearest == id) at.nearest = at.nearest_keyframe = revisit.nearest;
-    }
+  const bool fixed = tracker_.archive().is_fixed(old->id);
+  const bool changed = !fixed && contradiction(*old, *newer) > kClearContradiction;
+  const std::uint32_t gone = changed ? revisit.nearest : id, kept = changed ? id : revisit.nearest;
+  Constraint between;
+  between.from = revisit.nearest;
+  between.to = id;
+  between.from_to = active_.graph.nodes().at(between.from).inverse() * active_.graph.nodes().at(between.to);
+  between.information = inverse(revisit.covariance);
+  if (history_ && fixed)
+    history_->remove(gone, active_.graph.nodes().at(gone));
+  else if (history_)
+    history_->replace(gone, kept, active_.graph.nodes().at(kept).inverse() * active_.graph.nodes().at(gone));
+  active_.graph.replace(gone, between);
+  const std::uint32_t kept_keyframe = changed ? id : old->id;
+  tracker_.replace(gone, kept_keyframe);
+  revisits_.erase(gone);
+  for (auto& [other, at] : revisits_) {
+    if (at.nearest != gone) continue;
+    at.nearest = kept;
+    at.nearest_keyframe = kept_keyframe;
+    at.covariance += revisit.covariance;
   }
-  if (last_revisit_ && (last_revisit_->keyframe == id || last_revisit_->nearest == id)) last_revisit_.reset();
-  if (pending_ && (pending_->from == id || pending_->to == id)) pending_.reset();
+  if (last_revisit_ && (last_revisit_->keyframe == gone || last_revisit_->nearest == gone))
+    last_revisit_.reset();
+  if (pending_ && (pending_->from == gone || pending_->to == gone)) pending_.reset();
 }
 
 std::optional<MapRequest> Mapper::take_request() {

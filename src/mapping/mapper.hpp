@@ -40,9 +40,9 @@ class MapWorker {
 /// two searches agree both submaps become one, in the frame of the older. Where the robot comes to ground
 /// that an earlier visit saw, the newest keyframe is aligned with what was seen then; two such loop closures
 /// in a row that agree become constraints, and the map is bent to them between two scans. Where it is known
-/// how the two visits lie to each other, the newer keyframes take the place of the older ones, so that the
-/// map grows by new ground alone. Keyframes of a map that is fixed are no nodes: what is tied to them is tied
-/// to kOriginNode. As the tracker, a pure function of its state, the scans and the answers.
+/// how the two visits lie to each other, one keyframe of a place is kept: the older one, unless the place has
+/// changed. So the map grows by new ground alone. Keyframes of a map that is fixed are no nodes: what is tied
+/// to them is tied to kOriginNode. As the tracker, a pure function of its state, the scans and the answers.
 class Mapper {
  public:
   explicit Mapper(const TrackerConfig& config) : tracker_(config), joins_(config.search_cores) {}
@@ -89,8 +89,8 @@ class Mapper {
   void forget_revisits();
   void follow_archive();
   void drop_evicted();
-  void renew_places();
-  void renew(std::uint32_t id, const Revisit& revisit);
+  void drop_redundant();
+  void drop_redundant(std::uint32_t id, const Revisit& revisit);
   void connect_odometry(const ArchivedKeyframe& keyframe);
   std::optional<ClosureRequest> closure_request();
   ClosureRequest request_around(const ArchivedKeyframe& keyframe) const;

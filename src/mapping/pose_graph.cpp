@@ -214,6 +214,30 @@ void PoseGraph::connect(Constraint constraint) {
       renormalised(same->from_to * se3_exp(solve(same->information, constraint.information * apart)));
 }
 
+void PoseGraph::replace(std::uint32_t gone, Constraint between) {
+  if (between.to != gone) between = reversed(between);
+  const std::uint32_t kept = between.from;
+  std::vector<Constraint> stay, moved;
+  for (const Constraint& c : constraints_) {
+    if (!touches(c, gone)) {
+      stay.push_back(c);
+    } else if (!touches(c, kept) && weight(c) > kContradicted) {
+      moved.push_back(chained(between, c.from == gone ? c : reversed(c)));
+      moved.back().loop_closure = c.loop_closure;
+    }
+  }
+  const auto is_new = [&](const Constraint& c) {
+    return std::none_of(stay.begin(), stay.end(), [&](const Constraint& known) {
+      return touches(known, kept) && touches(known, c.to);
+    });
+  };
+  moved.erase(std::remove_if(moved.begin(), moved.end(), [&](const Constraint& c) { return !is_new(c); }),
+              moved.end());
+  constraints_ = std::move(stay);
+  nodes_.erase(gone);
+  for (const Constraint& c : moved) connect(c);
+}
+
 void PoseGraph::remove(std::uint32_t node) {
   std::vector<Constraint> touching;  // from the node
   for (const Constraint& c : constraints_) {
@@ -233,33 +257,6 @@ void PoseGraph::remove(std::uint32_t node) {
     through.loop_closure = c->loop_closure;
     connect(through);
   }
-}
-
-void PoseGraph::renew(std::uint32_t old, std::uint32_t newer, const Matrix6& covariance) {
-  const Pose old_from_newer = nodes_.at(old).inverse() * nodes_.at(newer);
-  const Matrix6 onwards = adjoint(old_from_newer.inverse());
-  std::vector<Constraint> stay, moved;
-  std::vector<std::uint32_t> neighbours;
-  for (Constraint c : constraints_) {
-    if (!touches(c, old) && !touches(c, newer)) stay.push_back(c);
-    if (!touches(c, old) || touches(c, newer)) continue;
-    if (c.to != old) c = reversed(c);
-    c.from_to = renormalised(c.from_to * old_from_newer);
-    c.information = inverse(Matrix6(onwards * inverse(c.information) * onwards.transpose()));
-    neighbours.push_back(c.from);
-    moved.push_back(c);
-  }
-  for (Constraint c : constraints_) {
-    if (!touches(c, newer) || touches(c, old)) continue;
-    if (c.to != newer) c = reversed(c);
-    c.to = old;
-    c.information = inverse(Matrix6(inverse(c.information) + covariance));
-    if (std::find(neighbours.begin(), neighbours.end(), c.from) == neighbours.end()) moved.push_back(c);
-  }
-  nodes_.at(old) = nodes_.at(newer);
-  nodes_.erase(newer);
-  constraints_ = std::move(stay);
-  for (const Constraint& c : moved) connect(c);
 }
 
 void PoseGraph::move(const std::map<std::uint32_t, Pose>& map_from_node) {

@@ -39,10 +39,11 @@ class PoseGraph {
   /// a chain nothing is lost. Loop closures that the rest contradicts go with it.
   void remove(std::uint32_t node);
 
-  /// The node `old` becomes what `newer` is: its pose, and what was measured of it. `covariance`: of that
-  /// pose in the frame of the old one. What was known between `old` and a neighbour stays as it is: a map
-  /// that is driven through again and again neither drifts nor gets surer of itself by the same surfaces.
-  void renew(std::uint32_t old, std::uint32_t newer, const Matrix6& covariance);
+  /// The node `gone` leaves, for another one shows the same; `between` says how the two lie to each other.
+  /// What was measured of it is from now on one of the node that stays, unless that one was measured against
+  /// the same neighbour: a map that is driven through again and again neither drifts nor gets surer of itself
+  /// by the same surfaces. Loop closures that the rest contradicts go with it.
+  void replace(std::uint32_t gone, Constraint between);
 
   /// How far the optimum moved any node from where it was.
   struct Change {

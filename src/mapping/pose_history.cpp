@@ -30,12 +30,10 @@ void PoseHistory::close(std::uint32_t stamp, const Pose& correction, std::uint32
   stamps_[stamp] = {anchor_of(keyframe), then};
 }
 
-void PoseHistory::renew(std::uint32_t old, std::uint32_t newer, const Pose& old_from_newer) {
-  const std::uint32_t before = anchor_of(old), now = anchor_of(newer);
-  anchors_[before] = {Anchor::Kind::kTied, now, old_from_newer.inverse()};
-  anchors_[now].to = old;
-  current_[old] = now;
-  current_.erase(newer);
+void PoseHistory::replace(std::uint32_t gone, std::uint32_t kept, const Pose& kept_from_gone) {
+  const std::uint32_t before = anchor_of(gone);
+  anchors_[before] = {Anchor::Kind::kTied, anchor_of(kept), kept_from_gone};
+  current_.erase(gone);
 }
 
 void PoseHistory::remove(std::uint32_t keyframe, const Pose& map_from_keyframe) {

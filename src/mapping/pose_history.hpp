@@ -24,8 +24,8 @@ class PoseHistory {
   /// they follow from now on, is there.
   void close(std::uint32_t stamp, const Pose& correction, std::uint32_t keyframe,
              const Pose& map_from_keyframe);
-  /// The keyframe `old` takes the pose of `newer`, which goes.
-  void renew(std::uint32_t old, std::uint32_t newer, const Pose& old_from_newer);
+  /// A keyframe goes: what is tied to it is tied to the one that was `kept` from now on.
+  void replace(std::uint32_t gone, std::uint32_t kept, const Pose& kept_from_gone);
   /// A keyframe goes: what is tied to it stays there.
   void remove(std::uint32_t keyframe, const Pose& map_from_keyframe);
 
@@ -35,7 +35,7 @@ class PoseHistory {
   Pose correction(std::uint32_t stamp, const std::function<Pose(std::uint32_t)>& map_from_keyframe) const;
 
  private:
-  /// A keyframe as it was before it was renewed or removed.
+  /// A keyframe as it was before it was replaced or removed.
   struct Anchor {
     enum class Kind : std::int8_t { kKeyframe, kTied, kFixed } kind = Kind::kKeyframe;
     std::uint32_t to = 0;               ///< the keyframe, or the anchor that it is tied to

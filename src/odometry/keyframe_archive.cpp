@@ -106,22 +106,15 @@ void KeyframeArchive::append(ArchivedKeyframe keyframe) {
   keyframes_.push_back(std::move(keyframe));
 }
 
-void KeyframeArchive::renew(std::uint32_t old, std::uint32_t newer) {
+void KeyframeArchive::replace(std::uint32_t gone, std::uint32_t kept) {
   const auto at = [&](std::uint32_t id) {
     return std::find_if(keyframes_.begin(), keyframes_.end(),
                         [id](const ArchivedKeyframe& k) { return k.id == id; });
   };
-  const auto kept = at(old), gone = at(newer);
-  std::vector<Eigen::Vector3f> stands = gone->stands;
-  for (const Eigen::Vector3f& up : kept->stands) {
+  std::vector<Eigen::Vector3f>& stands = at(kept)->stands;
+  for (const Eigen::Vector3f& up : at(gone)->stands)
     if (stands.size() < kMostStands && !stands_alike(stands, up)) stands.push_back(up);
-  }
-  const std::optional<Constraint> tie = kept->tie;
-  *kept = std::move(*gone);
-  kept->id = old;
-  kept->tie = tie;
-  kept->stands = std::move(stands);
-  keyframes_.erase(gone);
+  keyframes_.erase(at(gone));
   count_points();
 }
 
@@ -174,13 +167,6 @@ void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes, bool fixe
     keyframes_[i].tie->to = keyframes_[i].id;
   }
   evict();
-}
-
-void KeyframeArchive::remove(std::uint32_t id) {
-  keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(),
-                                  [id](const ArchivedKeyframe& k) { return k.id == id; }),
-                   keyframes_.end());
-  count_points();
 }
 
 double KeyframeArchive::begin_submap(const KeyframeArchive& seen) {

@@ -79,9 +79,8 @@ class KeyframeArchive {
   /// `fixed`: they never give way, and do not count for the cap.
   void restore(std::vector<ArchivedKeyframe> keyframes, bool fixed = false);
   bool is_fixed(std::uint32_t id) const { return id <= fixed_; }
-  /// The keyframe `old` becomes what `newer` is, but for its id; that one goes. Both have to be there.
-  void renew(std::uint32_t old, std::uint32_t newer);
-  void remove(std::uint32_t id);
+  /// The keyframe `gone` leaves; how the body stood there is noted where it is `kept`. Both have to be there.
+  void replace(std::uint32_t gone, std::uint32_t kept);
   /// New poses, by id.
   void move(const std::map<std::uint32_t, Pose>& map_from_body);
   /// These are of another submap. Those that are there already are moved away along x, by as many metres as

@@ -570,12 +570,8 @@ void Tracker::set_map_from_own(const Pose& map_from_own) {
   state_->map_from_own = map_from_own;
 }
 
-void Tracker::renew(std::uint32_t old, std::uint32_t newer) {
-  state_->archive.renew(old, newer);
-}
-
-void Tracker::remove(std::uint32_t keyframe) {
-  state_->archive.remove(keyframe);
+void Tracker::replace(std::uint32_t gone, std::uint32_t kept) {
+  state_->archive.replace(gone, kept);
 }
 
 const Matrix6& Tracker::drift() const {

@@ -95,10 +95,8 @@ class Tracker {
   /// the map frame, in the frame of own_from_body(). `jumps`: poses in the map frame jump by it.
   void correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, const Pose& map_from_own,
                const Matrix6& drift, bool jumps);
-  /// See KeyframeArchive::renew.
-  void renew(std::uint32_t old, std::uint32_t newer);
-  /// See KeyframeArchive::remove.
-  void remove(std::uint32_t keyframe);
+  /// See KeyframeArchive::replace.
+  void replace(std::uint32_t gone, std::uint32_t kept);
   void set_drift(const Matrix6& drift);
   const Matrix6& drift() const;
 

@@ -37,6 +37,28 @@ TrackerConfig forgetful() {
   return config;
 }
 
+/// The same in a hall of which one of the long walls stands 3.5 m farther in.
+Scan narrowed(Scan scan, const Pose& pose) {
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    Vector6 velocity;
+    velocity << 3, 0, 0, 0, 0, 0.8;
+    const Pose at = pose * se3_exp(static_cast<double>(scan.points.time[i]) * velocity);
+    const double end = (at * scan.points.point(i).cast<double>()).y(), from = at.translation().y();
+    const double part = end > 4.5 ? (4.5 - from) / (end - from) : 1.0;
+    scan.points.x[i] *= static_cast<float>(part);
+    scan.points.y[i] *= static_cast<float>(part);
+    scan.points.z[i] *= static_cast<float>(part);
+  }
+  return scan;
+}
+
+/// Keyframes of that scan and later ones.
+std::size_t since(const SavedMap& map, int scan) {
+  return static_cast<std::size_t>(
+      std::count_if(map.keyframes.begin(), map.keyframes.end(),
+                    [&](const ArchivedKeyframe& k) { return k.utime >= seen(scan).utime; }));
+}
+
 void expect_same(const PoseGraph& graph, const std::vector<ArchivedKeyframe>& keyframes) {
   CHECK(graph.nodes().size() == keyframes.size() + 1);  // and the origin
   for (const ArchivedKeyframe& k : keyframes) {
@@ -59,6 +81,7 @@ TEST_CASE("round after round the map is one, and its poses are as certain as aft
   std::optional<MapAnswer> answer;
   int due = 0;
   double once = 0, worst = 0;
+  std::size_t first_round = 0;
   TrackedScan tracked;
   for (int i = 0; i < 900; ++i) {
     tracked = mapper.track(seen(i));
@@ -73,6 +96,7 @@ TEST_CASE("round after round the map is one, and its poses are as certain as aft
       due = i + delay;
     }
     if (answer && i >= due) mapper.give(*std::exchange(answer, std::nullopt));
+    if (i == 75) first_round = mapper.save().keyframes.size();
     if (i == 100) once = tracked.covariance.topLeftCorner<3, 3>().trace();
   }
   CHECK(tracked.state == TrackingState::kTracking);
@@ -81,7 +105,24 @@ TEST_CASE("round after round the map is one, and its poses are as certain as aft
   CHECK(worst < 0.05);
   CHECK(tracked.covariance.topLeftCorner<3, 3>().trace() < 4 * once);
   CHECK(near(tracked.map_from_body, tracked.local_from_body, 0.05, 0.01));
-  expect_same(mapper.graph(), mapper.save().keyframes);
+  const SavedMap saved = mapper.save();
+  expect_same(mapper.graph(), saved.keyframes);
+  CHECK(saved.keyframes.size() - since(saved, 75) == first_round);  // what was seen first stays
+}
+
+TEST_CASE("where the place has changed the newer keyframes are kept" * doctest::test_suite("long drives")) {
+  Mapper mapper(forgetful());
+  TrackedScan tracked;
+  for (int i = 0; i < 900; ++i) {  // keyframes of the last minute are not seen again
+    tracked = mapper.track(i < 100 ? seen(i) : narrowed(seen(i), around(i)));
+    if (auto request = mapper.take_request()) mapper.give(MapWorker(forgetful()).work(*request));
+  }
+  CHECK(tracked.state == TrackingState::kTracking);
+  CHECK(near(tracked.map_from_body, around(0).inverse() * around(899), 0.05, 0.01));
+  const SavedMap saved = mapper.save();
+  expect_same(mapper.graph(), saved.keyframes);
+  CHECK(since(saved, 100) > 10);
+  CHECK(since(saved, 0) - since(saved, 100) < 8);
 }
 
 TEST_CASE("a closure that was asked for before a reset changes nothing after it") {

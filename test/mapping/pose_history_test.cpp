@@ -38,9 +38,8 @@ TEST_CASE("poses follow the keyframe that they were told at, through all that be
   CHECK(later != two);
   CHECK(history.correction(later, in(map)).matrix() == Pose::Identity().matrix());
 
-  // Keyframe 1 is renewed by 2, and moves on as that.
-  history.renew(1, 2, map[1].inverse() * map[2]);
-  map[1] = map[2];
+  // Keyframe 2 shows what 1 does, and goes: its poses move with 1.
+  history.replace(2, 1, map[1].inverse() * map[2]);
   map.erase(2);
   CHECK(near(history.correction(one, in(map)), by_one, 1e-12, 1e-12));
   CHECK(near(history.correction(two, in(map)), by_two, 1e-12, 1e-12));
@@ -50,16 +49,19 @@ TEST_CASE("poses follow the keyframe that they were told at, through all that be
   CHECK(near(history.correction(two, in(map)), again * by_two, 1e-12, 1e-12));
   CHECK(near(history.correction(later, in(map)), again, 1e-12, 1e-12));
 
-  // It is renewed once more, and then forgotten.
+  // So does 1, for 3, which is forgotten then.
   map[3] = at(7, 0);
   history.stamp(3, map[3]);
-  history.renew(1, 3, map[1].inverse() * map[3]);
-  map[1] = map[3];
-  map.erase(3);
-  history.remove(1, map[1]);
+  history.replace(1, 3, map[3].inverse() * map[1]);
+  map.erase(1);
+  CHECK(near(history.correction(two, in(map)), again * by_two, 1e-12, 1e-12));
+  const Pose once_more = at(0.4, -0.1);
+  map[3] = once_more * map[3];
+  CHECK(near(history.correction(two, in(map)), once_more * again * by_two, 1e-12, 1e-12));
+  history.remove(3, map[3]);
   map.clear();
-  CHECK(near(history.correction(one, in(map)), again * by_one, 1e-12, 1e-12));
-  CHECK(near(history.correction(later, in(map)), again, 1e-12, 1e-12));
+  CHECK(near(history.correction(one, in(map)), once_more * again * by_one, 1e-12, 1e-12));
+  CHECK(near(history.correction(later, in(map)), once_more * again, 1e-12, 1e-12));
 }
 
 TEST_CASE("poses told of a robot that did not know where it was follow what it learnt later") {

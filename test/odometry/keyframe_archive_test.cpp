@@ -36,7 +36,7 @@ TEST_CASE("the archive wants a place only where it has none") {
   CHECK(archive.wants(2, {1.9, 0, 0}, 6));
 }
 
-TEST_CASE("a keyframe that is renewed becomes the newer one, and keeps its id and how the body stood") {
+TEST_CASE("a keyframe that is replaced leaves to the other one how the body stood") {
   constexpr std::int64_t kSecond = 1000000;
   KeyframeArchive archive(1000000);
   for (int i = 0; i < 10; ++i) archive.add(i * kSecond, shifted(2.5 * i, 0), 12, ring(500, 12));
@@ -47,14 +47,18 @@ TEST_CASE("a keyframe that is renewed becomes the newer one, and keeps its id an
   archive.note_stand(shifted(5, 0));
   archive.add(100 * kSecond, shifted(5, 0.5), 12, ring(400, 12));
   archive.note_stand(tilted);
-  archive.renew(3, 11);
+  KeyframeArchive newer = archive;
+  archive.replace(11, 3);
   CHECK(archive.keyframes().size() == 10);
-  CHECK(archive.points() == 9 * 500 + 400);
+  CHECK(archive.points() == 10 * 500);
   CHECK(archive.find(11) == nullptr);
   REQUIRE(archive.find(3) != nullptr);
-  CHECK(archive.find(3)->utime == 100 * kSecond);
-  CHECK(archive.find(3)->map_from_body.translation().y() == 0.5);
+  CHECK(archive.find(3)->utime == 2 * kSecond);
   CHECK(archive.find(3)->stands.size() == 2);
+  newer.replace(3, 11);
+  CHECK(newer.points() == 9 * 500 + 400);
+  CHECK(newer.find(3) == nullptr);
+  CHECK(newer.find(11)->stands.size() == 2);
 }
 
 TEST_CASE("a place is thinned and the oldest places give way to the cap") {
