@@ -41,6 +41,7 @@ TrackedScan Mapper::track(const Scan& scan, const ScanPrior& prior) {
   const bool found = tracked.recovery && tracked.recovery->accepted;
   if (tracker_.submap() != submap_) begin_submap();
   if (found) return_to_submap(&tracked);
+  tracked.localised = located_;
   follow_archive();
   tracked.loop_closures = closures_;
   if (history_ && !active_.graph.nodes().empty()) tracked.stamp = stamp();
@@ -85,6 +86,7 @@ void Mapper::begin_submap() {
   active_.own_from_map = tracker_.map_from_own().inverse();
   active_.graph.add(kOriginNode, Pose::Identity());  // of a fixed map nothing else may be a node
   others_.push_back(std::exchange(active_, Submap()));
+  active_.located = located_;
   for (Submap& other : others_) other.own_from_map.translation().x() -= tracker_.moved_away();
   forget_revisits();
 }
@@ -99,19 +101,25 @@ void Mapper::return_to_submap(TrackedScan* tracked) {
     };
     if (k.id < known_ && (!nearest || distance(k) < distance(*nearest))) nearest = &k;
   }
-  if (!nearest || active_.graph.contains(nearest->id)) return;
-  const std::optional<std::size_t> place = submap_of(nearest->id, others_);
+  if (!nearest) return;
+  const std::optional<std::size_t> place =
+      active_.graph.contains(nearest->id) ? std::nullopt : submap_of(nearest->id, others_);
+  located_ = (place ? others_[*place] : active_).located;
   if (!place) return;
   const Pose before = tracker_.map_from_own();
-  active_.own_from_map = before.inverse();
-  std::swap(active_, others_[*place]);
-  const Pose now = active_.own_from_map.inverse();
-  tracker_.set_map_from_own(now);
-  forget_revisits();
+  enter(*place);
+  const Pose& now = tracker_.map_from_own();
   tracked->map_from_body = now * tracker_.own_from_body();
   tracked->recovery->map_from_body = tracked->map_from_body;
   tracked->recovery->map_from_predicted =
       renormalised(now * before.inverse() * tracked->recovery->map_from_predicted);
+}
+
+void Mapper::enter(std::size_t other) {
+  active_.own_from_map = tracker_.map_from_own().inverse();
+  std::swap(active_, others_[other]);
+  tracker_.set_map_from_own(active_.own_from_map.inverse());
+  forget_revisits();
 }
 
 void Mapper::forget_revisits() {
@@ -376,6 +384,8 @@ void Mapper::take_join(const JoinAnswer& answer) {
   const Pose own_from_fixed = other.fixed ? other.own_from_map : Pose(tracker_.map_from_own().inverse());
   active_.graph = joined(active_, other, closure);
   active_.fixed = active_.fixed || other.fixed;
+  active_.located = active_.located || other.located;
+  located_ = active_.located;
   for (const Constraint& c : answer.agreeing) {
     if (active_.graph.contains(c.from) && active_.graph.contains(c.to)) active_.graph.connect(c);
   }
@@ -438,6 +448,14 @@ Pose Mapper::correction(std::uint32_t stamp) const {
   });
 }
 
+void Mapper::set_pose(const Pose& map_from_body) {
+  const auto oldest = std::min_element(others_.begin(), others_.end(), is_older);
+  if (!active_.located && oldest != others_.end())
+    enter(static_cast<std::size_t>(oldest - others_.begin()));  // that is the map which is meant
+  tracker_.set_pose(map_from_body);
+  located_ = true;
+}
+
 void Mapper::reset() {
   tracker_.reset();
   others_.push_back(std::exchange(active_, Submap()));
@@ -448,6 +466,7 @@ void Mapper::reset() {
   others_.clear();
   submap_ = tracker_.submap();
   known_ = considered_ = asked_ = 0;
+  located_ = true;
   forget_revisits();
   correction_.reset();
   open_.reset();
@@ -462,7 +481,8 @@ SavedMap Mapper::save() const {
 void Mapper::load(SavedMap saved, bool fixed) {
   reset();
   if (fixed) saved = first_submap(std::move(saved));
-  active_.fixed = fixed && !saved.keyframes.empty();
+  located_ = saved.keyframes.empty();
+  active_.fixed = fixed && !located_;
   const auto keyframes = static_cast<std::uint32_t>(saved.keyframes.size());
   if (fixed || saved.constraints.empty()) {
     tracker_.load(std::move(saved), fixed);

@@ -57,7 +57,7 @@ class Mapper {
     tracker_.set_stage_observer(std::move(observer));
   }
   void reset();
-  void set_pose(const Pose& map_from_body) { tracker_.set_pose(map_from_body); }
+  void set_pose(const Pose& map_from_body);
   SavedMap save() const;
   /// `fixed`: the map is right, nothing of it moves or is replaced, and what the robot sees is tied to it;
   /// submaps that are not tied to its frame are left out.
@@ -86,6 +86,7 @@ class Mapper {
   std::uint32_t stamp();
   void begin_submap();
   void return_to_submap(TrackedScan* tracked);
+  void enter(std::size_t other);
   void forget_revisits();
   void follow_archive();
   void drop_evicted();
@@ -106,6 +107,7 @@ class Mapper {
   Submap active_;               ///< where the robot is; where its frame lies the tracker knows
   std::vector<Submap> others_;  ///< in no order
   std::uint32_t submap_ = 0;    ///< as the tracker counts
+  bool located_ = true;         ///< false: a map was loaded, and the robot has not been found in it so far
   JoinSearch joins_;            ///< of the active submap with the others
   std::optional<PoseHistory> history_;
   struct Open {

@@ -18,6 +18,7 @@ struct Submap {
   PoseGraph graph;                       ///< kOriginNode is its frame
   Pose own_from_map = Pose::Identity();  ///< own: the frame of the tracker and its archive
   bool fixed = false;                    ///< a map that was given: kOriginNode is all that is a node of it
+  bool located = true;  ///< false: begun by a robot that was not found in the map it was given
 };
 
 /// Whether the frame of `a` is that of both, once they are joined: that of the map which was given, or which

@@ -64,10 +64,9 @@ class Relocation {
   bool has_excursion() const { return excursion_.has_value(); }
   /// kRecovering, kAmbiguous or kLost.
   TrackingState state() const { return state_; }
-  /// Whether the robot sees, and has found no place for so long that it goes on in what it has seen since.
-  bool gives_up() const {
-    return lost_ && excursion_ && !candidate_ && excursion_->followed_s() >= config_.new_map_after_s;
-  }
+  /// Whether the robot sees, and has found no place for so long that it goes on in what it has seen since. In
+  /// a map that was loaded only after it has moved: until then it is searched for from where it stands.
+  bool gives_up() const;
   /// Only where it has one.
   const Excursion& excursion() const { return *excursion_; }
   Excursion& excursion() { return *excursion_; }

@@ -60,7 +60,7 @@ struct Tracker::State {
   // Microseconds that advance whatever the stamps do; they are the stamps, until the clock steps.
   std::int64_t now = 0;
   double dt = 0, most_dt = 0;  // seconds since the scan before: a guess, and at most, where the clock stepped
-  bool timed = false, begun = false, localised = true;
+  bool timed = false, begun = false;
   // Everything below works in a frame of its own, that of the first scan: where the map has its origin, and
   // how it is turned, must not matter. What goes in and out is moved.
   Pose map_from_own = Pose::Identity();
@@ -244,7 +244,6 @@ struct Tracker::State {
     // What the map explains little of, a crowd or dust, may be gone the next moment.
     if (attempt.health.share < kDegradedShare) last_trusted.rays = {};
     state = TrackingState::kTracking;
-    localised = true;
     relocation.end();
     if (quiet_scans_left > 0) {
       --quiet_scans_left;
@@ -293,7 +292,7 @@ struct Tracker::State {
     if (hints.level_from_body) relocation.note_up(up_in_body(hints));
     finished(Stage::kAlign);
     if (outcome == Relocation::Outcome::kLost) {
-      if (localised && relocation.gives_up())
+      if (relocation.gives_up())
         begin_submap(scan, tracked);
       else
         describe(attempt, PoseMethod::kPredicted, tracked);
@@ -315,8 +314,7 @@ struct Tracker::State {
     describe(attempt, found ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
   }
 
-  /// What was seen since the robot got lost is its map from now on. Not where a map was given: until a place
-  /// in it is believed, there is no pose.
+  /// What was seen since the robot got lost is its map from now on.
   void begin_submap(const PreparedScan& scan, TrackedScan* tracked) {
     Excursion& excursion = relocation.excursion();
     moved_away = archive.begin_submap(excursion.seen());
@@ -362,7 +360,6 @@ struct Tracker::State {
       if (missing != 0 || little) tracked->state = TrackingState::kDegraded;
     }
     tracked->epoch = epoch;
-    tracked->localised = localised;
     tracked->map_from_body = map_from_own * odometer->state().pose;
     tracked->local_from_body = local_from_own * odometer->state().pose;
     tracked->twist = odometer->state().twist;
@@ -475,7 +472,6 @@ void Tracker::set_pose(const Pose& map_from_body) {
   s.last_trusted.map_from_body = here;
   s.last_trusted.utime = s.now;
   s.begun = false;
-  s.localised = true;
   if (!s.archive.knows(here.translation())) {  // a new start
     s.state = TrackingState::kInitialising;
     return;
@@ -502,7 +498,6 @@ void Tracker::load(SavedMap saved, bool fixed) {
   // What was archived is of an earlier run, whatever the clock of either said.
   s.now = std::min(s.archive.keyframes().back().utime, std::numeric_limits<std::int64_t>::max() / 2) +
           kAnotherRun;
-  s.localised = false;
   s.start_pose = s.last_trusted.map_from_body = saved.last_pose;
   s.jump(s.odometer->state().pose, saved.last_pose);
   s.jumped = true;
@@ -539,7 +534,7 @@ const Pose& Tracker::own_from_body() const {
   return state_->odometer->state().pose;
 }
 bool Tracker::on_known_ground() const {
-  return state_->state == TrackingState::kTracking && !state_->relocation.lost() && state_->localised;
+  return state_->state == TrackingState::kTracking && !state_->relocation.lost();
 }
 std::int64_t Tracker::local_map_utime() const {
   const auto& keyframes = state_->odometer->map().keyframes();

@@ -52,6 +52,21 @@ Scan narrowed(Scan scan, const Pose& pose) {
   return scan;
 }
 
+/// A hall less than half as long, seen from `way` steps on along another round.
+Scan elsewhere(int scan, int way) {
+  Scan there =
+      hall_scan(around(way), Vector6::Zero(), seen(scan).utime, static_cast<unsigned>(scan), 0.1, 2000);
+  const Eigen::Matrix3f turn = around(way).linear().cast<float>();
+  for (std::size_t i = 0; i < there.points.size(); ++i) {
+    const Eigen::Vector3f p =
+        turn.transpose() * Eigen::Vector3f(0.4F, 1, 1).cwiseProduct(turn * there.points.point(i));
+    there.points.x[i] = p.x();
+    there.points.y[i] = p.y();
+    there.points.z[i] = p.z();
+  }
+  return there;
+}
+
 /// Keyframes of that scan and later ones.
 std::size_t since(const SavedMap& map, int scan) {
   return static_cast<std::size_t>(
@@ -206,6 +221,48 @@ TEST_CASE("a map that is fixed stays as it is, gets no larger by revisits, and t
   REQUIRE(after.keyframes.size() >= known);
   for (std::size_t k = 0; k < known; ++k)
     CHECK(near(after.keyframes[k].map_from_body, saved.keyframes[k].map_from_body, 1e-6, 1e-6));
+}
+
+TEST_CASE("a robot that is not in the map it was given is at home in one of its own until it is found" *
+          doctest::test_suite("long drives")) {
+  TrackerConfig config = forgetful();
+  config.new_map_after_s = 1;
+  Mapper first(config);
+  for (int i = 0; i < 90; ++i) first.track(seen(i));  // round the hall
+  const SavedMap saved = first.save();
+  bool fixed = false, said = false;
+  SUBCASE("a map that may grow, by a search") {}
+  SUBCASE("a map that is fixed, by a search") {
+    fixed = true;
+  }
+  SUBCASE("a map that is fixed, by somebody who knows") {
+    fixed = said = true;
+  }
+  Mapper mapper(config);
+  MapWorker worker(config);
+  mapper.load(saved, fixed);
+  TrackedScan tracked;
+  int i = 0;
+  const auto follow = [&](int scans, const auto& scan) {
+    for (const int end = i + scans; i < end; ++i) {
+      tracked = mapper.track(scan(i));
+      if (auto request = mapper.take_request()) mapper.give(worker.work(*request));
+    }
+  };
+  follow(15, [](int k) { return elsewhere(k, 0); });
+  CHECK_FALSE(tracked.localised);
+  CHECK(tracked.state != TrackingState::kTracking);  // it has not moved, and is searched for there
+  follow(60, [](int k) { return elsewhere(k, k - 15); });
+  CHECK_FALSE(tracked.localised);
+  CHECK(tracked.state == TrackingState::kTracking);
+  CHECK(mapper.other_submaps() == 1);
+  const std::uint32_t epoch = tracked.epoch;
+  if (said) mapper.set_pose(around(0).inverse() * around(i));
+  follow(said ? 10 : 60, seen);
+  CHECK(tracked.localised);
+  CHECK(tracked.state == TrackingState::kTracking);
+  CHECK(tracked.epoch > epoch);
+  CHECK(near(tracked.map_from_body, around(0).inverse() * around(i - 1), 0.05, 0.01));
 }
 
 TEST_CASE("a robot that is lost on new ground is at home there, and in the first map when it comes back" *
