@@ -1,0 +1,150 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+//
+// A simulated day in one building: laps of an office ring, a little aside of each other, and the robot
+// carried elsewhere each half hour. Scans go from the simulator to the mapper at once, for a log of them
+// would not fit on a disk. One line an hour, as JSON: see tools/results.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <string>
+#include <vector>
+
+#include "mapping/mapper.hpp"
+#include "simulation/simulator.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr double kHour_s = 3600, kCarriedEach_s = 1800, kSpeed_mps = 1.2, kAligned_s = 1200;
+constexpr double kBack_m = 1;  // nearer to the truth the robot is back, farther off a recovery was wrong
+
+double thread_ms() {
+  std::timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+/// The rigid transform that brings the poses of the first kAligned_s to the truth: the map's frame is that of
+/// one scan, whose attitude would be all there is to see at the other end of the building.
+Pose aligned(const std::vector<Eigen::Vector3d>& poses, const std::vector<Eigen::Vector3d>& truth) {
+  Eigen::Matrix3Xd from(3, poses.size()), to(3, poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    from.col(static_cast<Eigen::Index>(i)) = poses[i];
+    to.col(static_cast<Eigen::Index>(i)) = truth[i];
+  }
+  Pose world_from_map;
+  world_from_map.matrix() = Eigen::umeyama(from, to, false);
+  return world_from_map;
+}
+
+/// What one hour was like.
+struct Hour {
+  std::vector<Eigen::Vector3d> poses, truth;  // of scans in TRACKING or DEGRADED, but for who is not back yet
+  std::vector<double> ms;
+  int carried = 0, back_in_2_s = 0, wrong = 0, lost = 0, tracking_far_off = 0;
+  double search_ms = 0;
+};
+
+void report(int hour, const Hour& seen, const Pose& world_from_map, const Mapper& mapper) {
+  double sum = 0, worst = 0;
+  for (std::size_t i = 0; i < seen.poses.size(); ++i) {
+    const double off = (world_from_map * seen.poses[i] - seen.truth[i]).norm();
+    sum += off * off;
+    worst = std::max(worst, off);
+  }
+  std::vector<double> ms = seen.ms;
+  std::sort(ms.begin(), ms.end());
+  double all = 0;
+  for (const double one : ms) all += one;
+  const auto scans = static_cast<double>(std::max<std::size_t>(ms.size(), 1));
+  std::printf(
+      "{\"hour\": %d, \"rms_m\": %.4f, \"worst_m\": %.3f, \"carried\": %d, \"back_in_2_s\": %d, \"wrong\": "
+      "%d, "
+      "\"lost\": %d, \"tracking_far_off\": %d, \"keyframes\": %zu, \"ms\": %.2f, \"p99_ms\": %.2f, "
+      "\"search_ms\": %.2f}\n",
+      hour, std::sqrt(sum / static_cast<double>(std::max<std::size_t>(seen.poses.size(), 1))), worst,
+      seen.carried, seen.back_in_2_s, seen.wrong, seen.lost, seen.tracking_far_off,
+      mapper.save().keyframes.size(), all / scans, ms.empty() ? 0.0 : ms[ms.size() * 99 / 100],
+      seen.search_ms / scans);
+  std::fflush(stdout);
+}
+
+void day(LidarKind lidar, int hours, unsigned seed) {
+  SimulationConfig config;
+  config.world = WorldKind::kIndoor;
+  config.lidar = lidar;
+  config.seed = seed;
+  config.speed_mps = kSpeed_mps;
+  config.seconds = hours * kHour_s;
+  config.laps = 20 * hours;  // of 250 m: more than it gets to
+  for (double t = kCarriedEach_s; t < *config.seconds; t += kCarriedEach_s) {
+    SimulationEvent carried{};
+    carried.kind = EventKind::kKidnap;
+    carried.time_s = t;
+    config.events.push_back(carried);
+  }
+  Simulator simulator(config);
+  Mapper mapper{TrackerConfig()};
+  MapWorker worker{TrackerConfig()};
+  Hour seen;
+  Pose world_from_map = Pose::Identity();
+  double carried_s = 0;  // when that was; 0: it has come back
+  bool is_aligned = false;
+  int hour = 1;
+  std::size_t events = 0;
+  while (const auto scan = simulator.next()) {
+    if (!is_aligned && scan->time_s >= kAligned_s) {
+      world_from_map = aligned(seen.poses, seen.truth);
+      is_aligned = true;
+    }
+    if (scan->time_s >= hour * kHour_s) {
+      report(hour++, seen, world_from_map, mapper);
+      seen = Hour();
+    }
+    const double begun = thread_ms();
+    const TrackedScan tracked = mapper.track(scan->scan);
+    const double done = thread_ms();
+    seen.ms.push_back(done - begun);
+    if (auto request = mapper.take_request()) mapper.give(worker.work(*request));
+    seen.search_ms += thread_ms() - done;
+
+    if (events < config.events.size() && scan->time_s >= config.events[events].time_s) {
+      carried_s = config.events[events++].time_s;
+      ++seen.carried;
+    }
+    const Eigen::Vector3d truth = scan->world_from_body.translation(),
+                          pose = tracked.map_from_body.translation();
+    const bool near = !is_aligned || (world_from_map * pose - truth).norm() < kBack_m;
+    const bool sure = tracked.state == TrackingState::kTracking || tracked.state == TrackingState::kDegraded;
+    const bool jumped = tracked.recovery && tracked.recovery->accepted && !tracked.recovery->loop_closure;
+    if (!sure && tracked.state != TrackingState::kInitialising) ++seen.lost;
+    if (jumped && !near) ++seen.wrong;
+    if (carried_s > 0 && jumped && near) {
+      if (scan->time_s - carried_s <= 2) ++seen.back_in_2_s;
+      carried_s = 0;
+    }
+    if (!sure || carried_s > 0) continue;
+    if (tracked.state == TrackingState::kTracking && !near) ++seen.tracking_far_off;
+    seen.poses.push_back(pose);
+    seen.truth.push_back(truth);
+  }
+  report(hour, seen, world_from_map, mapper);
+}
+
+}  // namespace
+}  // namespace scanlock
+
+int main(int argc, char** argv) {
+  const std::string lidar = argc > 1 ? argv[1] : "";
+  const int hours = argc > 2 ? std::atoi(argv[2]) : 0;
+  if (argc < 3 || argc > 4 || (lidar != "planar" && lidar != "vlp16") || hours < 1 || hours > 24) {
+    std::fprintf(stderr, "usage: day planar|vlp16 HOURS [SEED], 1 to 24 hours\n");
+    return 2;
+  }
+  scanlock::day(lidar == "planar" ? scanlock::LidarKind::kPlanar : scanlock::LidarKind::kVlp16, hours,
+                argc > 3 ? static_cast<unsigned>(std::atoi(argv[3])) : 1);
+  return 0;
+}
