@@ -175,10 +175,11 @@ Recovery Relocation::recovery_of(const RecoveryAnswer& answer) const {
 
 bool Relocation::gives_up() const {
   if (!lost_ || !excursion_ || candidate_ || excursion_->followed_s() < config_.new_map_after_s) return false;
-  if (last_seen_ || excursion_->seen().empty()) return last_seen_.has_value();
-  const ArchivedKeyframe& first = excursion_->seen().keyframes().front();
-  return (excursion_->state().pose.translation() - first.map_from_body.translation()).norm() >
-         kSameSpot * static_cast<double>(first.reach);
+  if (last_seen_) return true;
+  const std::vector<ArchivedKeyframe>& seen = excursion_->seen().keyframes();
+  return !seen.empty() &&
+         (excursion_->state().pose.translation() - seen.front().map_from_body.translation()).norm() >
+             kSameSpot * static_cast<double>(seen.front().reach);
 }
 
 std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, const KeyframeArchive& archive,

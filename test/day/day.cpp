@@ -4,44 +4,30 @@
 // A simulated day in one building: laps of an office ring, a little aside of each other, and the robot
 // carried elsewhere each half hour. Scans go from the simulator to the mapper at once, for a log of them
 // would not fit on a disk. One line an hour, as JSON: see tools/results.
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
+#include <numeric>
 #include <string>
 #include <vector>
 
+#include "daemon/statistics.hpp"
+#include "evaluation/metrics.hpp"
 #include "geometry/voxel_grid.hpp"
+#include "global/cpu_clock.hpp"
 #include "mapping/mapper.hpp"
 #include "simulation/simulator.hpp"
 
 namespace scanlock {
 namespace {
 
-constexpr double kHour_s = 3600, kCarriedEach_s = 1800, kSpeed_mps = 1.2, kAligned_s = 1200;
+constexpr double kHour_s = 3600, kCarriedEach_s = 1800, kSpeed_mps = 1.2;
+// The frame of the map is that of one scan, whose attitude would be all there is to see at the other end of
+// the building: the poses of so many seconds are laid over the truth.
+constexpr double kAligned_s = 1200;
 constexpr double kBack_m = 1;  // nearer to the truth the robot is back, farther off a recovery was wrong
-
-double thread_ms() {
-  std::timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-/// The rigid transform that brings the poses of the first kAligned_s to the truth: the map's frame is that of
-/// one scan, whose attitude would be all there is to see at the other end of the building.
-Pose aligned(const std::vector<Eigen::Vector3d>& poses, const std::vector<Eigen::Vector3d>& truth) {
-  Eigen::Matrix3Xd from(3, poses.size()), to(3, poses.size());
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    from.col(static_cast<Eigen::Index>(i)) = poses[i];
-    to.col(static_cast<Eigen::Index>(i)) = truth[i];
-  }
-  Pose world_from_map;
-  world_from_map.matrix() = Eigen::umeyama(from, to, false);
-  return world_from_map;
-}
 
 /// Every fourth column of a VLP-16 that fires 1,800 of them in a turn of a tenth of a second.
 Scan thinned(const Scan& scan) {
@@ -55,33 +41,23 @@ Scan thinned(const Scan& scan) {
 
 /// What one hour was like.
 struct Hour {
-  std::vector<Eigen::Vector3d> poses, truth;  // of scans in TRACKING or DEGRADED, but for who is not back yet
+  PosePairs pairs;  // of scans in TRACKING or DEGRADED, but for who is not back yet
   std::vector<double> ms;
   int carried = 0, back_in_2_s = 0, wrong = 0, lost = 0, tracking_far_off = 0;
   double search_ms = 0;
 };
 
 void report(int hour, const Hour& seen, const Pose& world_from_map, const Mapper& mapper) {
-  double sum = 0, worst = 0;
-  for (std::size_t i = 0; i < seen.poses.size(); ++i) {
-    const double off = (world_from_map * seen.poses[i] - seen.truth[i]).norm();
-    sum += off * off;
-    worst = std::max(worst, off);
-  }
-  std::vector<double> ms = seen.ms;
-  std::sort(ms.begin(), ms.end());
-  double all = 0;
-  for (const double one : ms) all += one;
-  const auto scans = static_cast<double>(std::max<std::size_t>(ms.size(), 1));
-  std::printf(
-      "{\"hour\": %d, \"rms_m\": %.4f, \"worst_m\": %.3f, \"carried\": %d, \"back_in_2_s\": %d, \"wrong\": "
-      "%d, "
-      "\"lost\": %d, \"tracking_far_off\": %d, \"keyframes\": %zu, \"ms\": %.2f, \"p99_ms\": %.2f, "
-      "\"search_ms\": %.2f}\n",
-      hour, std::sqrt(sum / static_cast<double>(std::max<std::size_t>(seen.poses.size(), 1))), worst,
-      seen.carried, seen.back_in_2_s, seen.wrong, seen.lost, seen.tracking_far_off,
-      mapper.save().keyframes.size(), all / scans, ms.empty() ? 0.0 : ms[ms.size() * 99 / 100],
-      seen.search_ms / scans);
+  const AbsoluteError off =
+      seen.pairs.empty() ? AbsoluteError() : absolute_error(position_errors(seen.pairs, world_from_map));
+  const auto scans = static_cast<double>(std::max<std::size_t>(seen.ms.size(), 1));
+  std::printf("{\"hour\": %d, \"rms_m\": %.4f, \"worst_m\": %.3f, \"carried\": %d, \"back_in_2_s\": %d, ",
+              hour, off.rmse, off.max, seen.carried, seen.back_in_2_s);
+  std::printf("\"wrong\": %d, \"lost\": %d, \"tracking_far_off\": %d, \"keyframes\": %zu, ", seen.wrong,
+              seen.lost, seen.tracking_far_off, mapper.save().keyframes.size());
+  std::printf("\"ms\": %.2f, \"p99_ms\": %.2f, \"search_ms\": %.2f}\n",
+              std::accumulate(seen.ms.begin(), seen.ms.end(), 0.0) / scans, percentile(seen.ms, 0.99),
+              seen.search_ms / scans);
   std::fflush(stdout);
 }
 
@@ -110,7 +86,7 @@ void day(LidarKind lidar, int hours, unsigned seed) {
   std::size_t events = 0;
   while (const auto scan = simulator.next()) {
     if (!is_aligned && scan->time_s >= kAligned_s) {
-      world_from_map = aligned(seen.poses, seen.truth);
+      world_from_map = overlay(seen.pairs, Overlay::kSe3);
       is_aligned = true;
     }
     if (scan->time_s >= hour * kHour_s) {
@@ -118,20 +94,18 @@ void day(LidarKind lidar, int hours, unsigned seed) {
       seen = Hour();
     }
     const Scan few = lidar == LidarKind::kVlp16 ? thinned(scan->scan) : scan->scan;
-    const double begun = thread_ms();
+    CpuClock cpu;
     const TrackedScan tracked = mapper.track(few);
-    const double done = thread_ms();
-    seen.ms.push_back(done - begun);
+    seen.ms.push_back(cpu.lap());
     if (auto request = mapper.take_request()) mapper.give(worker.work(*request));
-    seen.search_ms += thread_ms() - done;
+    seen.search_ms += cpu.lap();
 
     if (events < config.events.size() && scan->time_s >= config.events[events].time_s) {
       carried_s = config.events[events++].time_s;
       ++seen.carried;
     }
-    const Eigen::Vector3d truth = scan->world_from_body.translation(),
-                          pose = tracked.map_from_body.translation();
-    const bool near = !is_aligned || (world_from_map * pose - truth).norm() < kBack_m;
+    const PosePair pair{scan->time_s, 0, tracked.map_from_body, scan->world_from_body};
+    const bool near = !is_aligned || position_errors({pair}, world_from_map).front() < kBack_m;
     const bool sure = tracked.state == TrackingState::kTracking || tracked.state == TrackingState::kDegraded;
     const bool jumped = tracked.recovery && tracked.recovery->accepted && !tracked.recovery->loop_closure;
     if (!sure && tracked.state != TrackingState::kInitialising) ++seen.lost;
@@ -142,8 +116,7 @@ void day(LidarKind lidar, int hours, unsigned seed) {
     }
     if (!sure || carried_s > 0) continue;
     if (tracked.state == TrackingState::kTracking && !near) ++seen.tracking_far_off;
-    seen.poses.push_back(pose);
-    seen.truth.push_back(truth);
+    seen.pairs.push_back(pair);
   }
   report(hour, seen, world_from_map, mapper);
 }
