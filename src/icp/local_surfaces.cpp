@@ -3,6 +3,7 @@
 #include "icp/local_surfaces.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "geometry/elementary.hpp"
@@ -14,14 +15,15 @@ namespace {
 
 constexpr double kUpright = 0.8;  // cosine of 37 degrees
 // Standard deviations of the neighbours about their line, metres:
-constexpr double kThread = 0.03;  // so thin is only the line of a scan pattern
+constexpr double kThread = 0.03;  // so thin is only the line of a scan pattern, or a plane
 constexpr double kThin = 0.05;
 constexpr double kLeastNoise = 0.015;  // metres, of ranges: what a few points make look less is luck
 constexpr int kFewest = 5;             // neighbours
 // Of the radius: how thick a post is at least taken to be, for a map keeps one point of a voxel, a quarter of
 // that wide, and what is spread evenly over half of it has this standard deviation.
 constexpr float kUnsure = 0.125f / 3.4641f;
-constexpr float kGrazing = 0.1f;  // sine of the angle of incidence below which a plane is doubted
+constexpr float kMostlyALine = 0.25f;  // weight of a plane whose points spread half as far across
+constexpr float kGrazing = 0.1f;       // sine of the angle of incidence below which a plane is doubted
 
 /// How neighbours lie about their centroid, in the first kAxes of x, y and z.
 template <int kAxes>
@@ -59,6 +61,29 @@ struct Spread {
   double noise_of_mean;                       ///< metres, along the first
 };
 
+/// See fit_surface().
+Surface surface_of(const Spread<3>& spread, bool lines) {
+  Surface surface;
+  const Eigen::Vector3d& deviation = spread.deviation;
+  if (!(deviation[2] > 0)) return surface;
+  const double planarity = std::clamp((deviation[1] - deviation[0]) / deviation[2], 0.0, 1.0);
+  surface.normal = spread.axes.col(0).cast<float>();
+  surface.centre = spread.centre;
+  surface.weight = static_cast<float>(planarity * planarity);
+  surface.tilt = (spread.tilt(1) * spread.axes.col(1)).cast<float>();
+  surface.tilt_across = static_cast<float>(spread.tilt(2));
+  const double linearity = 1.0 - deviation[1] / deviation[2];
+  const Eigen::Vector3d direction = spread.axes.col(2);
+  const double thickness = hypot(deviation[0], deviation[1]);
+  if (lines && linearity > planarity && std::abs(direction.z()) > kUpright && thickness > kThread) {
+    surface.line = true;
+    surface.normal = direction.cast<float>();
+    surface.weight = static_cast<float>(linearity * linearity);
+    surface.scale = static_cast<float>(std::min(1.0, kThin / thickness));
+  }
+  return surface;
+}
+
 /// Whether few of the points at the height of a line's own are beside it.
 bool stands_alone(const PointCloud& cloud, const Surface& line, const Neighbour* own, int count,
                   const Neighbour* around, int around_count) {
@@ -90,28 +115,8 @@ float edge_on_weight(const Surface& plane, const Eigen::Vector3f& eye) {
 
 }  // namespace
 
-Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count, bool lines) {
-  Surface surface;
-  if (count < kFewest) return surface;
-  const Spread<3> spread(cloud, neighbours, count);
-  const Eigen::Vector3d& deviation = spread.deviation;
-  if (!(deviation[2] > 0)) return surface;
-  const double planarity = std::clamp((deviation[1] - deviation[0]) / deviation[2], 0.0, 1.0);
-  surface.normal = spread.axes.col(0).cast<float>();
-  surface.centre = spread.centre;
-  surface.weight = static_cast<float>(planarity * planarity);
-  surface.tilt = (spread.tilt(1) * spread.axes.col(1)).cast<float>();
-  surface.tilt_across = static_cast<float>(spread.tilt(2));
-  const double linearity = 1.0 - deviation[1] / deviation[2];
-  const Eigen::Vector3d direction = spread.axes.col(2);
-  const double thickness = hypot(deviation[0], deviation[1]);
-  if (lines && linearity > planarity && std::abs(direction.z()) > kUpright && thickness > kThread) {
-    surface.line = true;
-    surface.normal = direction.cast<float>();
-    surface.weight = static_cast<float>(linearity * linearity);
-    surface.scale = static_cast<float>(std::min(1.0, kThin / thickness));
-  }
-  return surface;
+Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count) {
+  return count < kFewest ? Surface() : surface_of(Spread<3>(cloud, neighbours, count), false);
 }
 
 Surface fit_wall(const PointCloud& cloud, const Neighbour* neighbours, int count) {
@@ -173,27 +178,50 @@ void LocalSurfaces::prepare(const std::vector<std::int32_t>& indices, int thread
     missing_.push_back(index);
   }
   for_each_chunk(missing_.size(), 64, threads, [&](std::size_t begin, std::size_t end) {
-    Neighbour neighbours[kNeighbours];
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t at = static_cast<std::size_t>(missing_[i]);
-      const int count = tree_->k_nearest(cloud_->point(at), kNeighbours, neighbours, radius_);
-      Surface surface =
-          walls_ ? fit_wall(*cloud_, neighbours, count) : fit_surface(*cloud_, neighbours, count, true);
-      // The line of a scan pattern on a wall has others beside it; a trunk has not.
-      if (surface.line) {
-        Neighbour more[3 * kNeighbours];
-        const int wide = tree_->k_nearest(cloud_->point(at), 3 * kNeighbours, more, 2.0f * radius_);
-        if (!stands_alone(*cloud_, surface, neighbours, count, more, wide))
-          surface = fit_surface(*cloud_, neighbours, count);
-      }
-      if (cloud_->has_eyes() && !surface.line) surface.weight *= edge_on_weight(surface, cloud_->eyes[at]);
-      if (cloud_->is_alone(at) && count > 0 && count < kNeighbours) {
-        const Surface post = fit_post(*cloud_, neighbours, count, 0.5f * radius_, kUnsure * radius_);
-        if (post.scale * post.scale * post.weight > surface.weight) surface = post;
-      }
-      surfaces_[at] = surface;
-    }
+    for (std::size_t i = begin; i < end; ++i)
+      surfaces_[static_cast<std::size_t>(missing_[i])] = fit(missing_[i]);
   });
+}
+
+Surface LocalSurfaces::fit(std::int32_t index) const {
+  const auto at = static_cast<std::size_t>(index);
+  std::array<Neighbour, kNeighbours> near;
+  const int count = tree_->k_nearest(cloud_->point(at), kNeighbours, near.data(), radius_);
+  Surface surface =
+      walls_ ? fit_wall(*cloud_, near.data(), count) : fit_plane_or_line(at, near.data(), count);
+  if (cloud_->has_eyes() && !surface.line) surface.weight *= edge_on_weight(surface, cloud_->eyes[at]);
+  if (cloud_->is_alone(at) && count > 0 && count < kNeighbours) {
+    const Surface post = fit_post(*cloud_, near.data(), count, 0.5f * radius_, kUnsure * radius_);
+    if (post.scale * post.scale * post.weight > surface.weight) surface = post;
+  }
+  return surface;
+}
+
+Surface LocalSurfaces::fit_plane_or_line(std::size_t at, const Neighbour* near, int count) const {
+  std::array<Neighbour, 3 * kNeighbours> around;
+  int wide = 0;
+  const auto look_around = [&] {
+    if (wide == 0) wide = tree_->k_nearest(cloud_->point(at), 3 * kNeighbours, around.data(), 2.0f * radius_);
+  };
+  Surface surface;
+  if (count >= kFewest) {
+    const Spread<3> spread(*cloud_, near, count);
+    surface = surface_of(spread, true);
+    if (surface.line) {
+      // The line of a scan pattern on a wall has others beside it; a trunk has not.
+      look_around();
+      if (stands_alone(*cloud_, surface, near, count, around.data(), wide)) return surface;
+      surface = surface_of(spread, false);
+    }
+    if (spread.deviation[0] >= kThread || surface.weight >= kMostlyALine) return surface;
+  }
+  // Where a sensor's rings are far apart, the nearest points are all of one: the next ones tell more, if all
+  // lie on one plane.
+  look_around();
+  if (wide < kFewest) return surface;
+  const Spread<3> spread(*cloud_, around.data(), wide);
+  const Surface wider = surface_of(spread, false);
+  return spread.deviation[0] < kThread && wider.weight > surface.weight ? wider : surface;
 }
 
 }  // namespace scanlock

@@ -55,6 +55,12 @@ class LocalSurfaces {
   const Surface& at(std::int32_t index) const { return surfaces_[static_cast<std::size_t>(index)]; }
 
  private:
+  Surface fit(std::int32_t index) const;
+  /// What is rather a line than a plane is one if it stands upright (z): trunks and poles, which are all that
+  /// fixes a heading in a forest. Lines across are left alone, for they are the rings of the sensor and no
+  /// part of the scene.
+  Surface fit_plane_or_line(std::size_t at, const Neighbour* near, int count) const;
+
   const PointCloud* cloud_ = nullptr;
   const KdForest* tree_ = nullptr;
   float radius_ = 0;
@@ -67,10 +73,7 @@ class LocalSurfaces {
 /// Fits a surface to the given neighbours of `cloud`; weight 0 when there are fewer than five.
 /// The weight of a plane is the square of the planarity (sqrt(l2) - sqrt(l3)) / sqrt(l1) of the
 /// neighbourhood's covariance, l1 >= l2 >= l3; that of a line the square of (sqrt(l1) - sqrt(l2)) / sqrt(l1).
-/// With `lines`, what is rather a line is one if it stands upright (z): trunks and poles, which are all that
-/// fixes a heading in a forest. Lines across are left alone, for they are the rings of the sensor and no part
-/// of the scene.
-Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count, bool lines = false);
+Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count);
 
 /// The upright plane through neighbours that a level sensor saw in its one plane; weight 0 when there are
 /// fewer than five. The weight is the square of (sqrt(l1) - sqrt(l2)) / sqrt(l1) of their covariance in x and

@@ -96,6 +96,34 @@ TEST_CASE("a plane goes through the centre of its neighbours") {
   CHECK(surface.weight > 0.5f);
 }
 
+TEST_CASE("a floor is one where the rings on it are farther apart than neighbours are looked for") {
+  // Beams of 16, 2 degrees apart, from 1.2 m above the floor: rings on it at 4.5, 5.2 and 6.2 m.
+  std::mt19937 rng(3);
+  std::normal_distribution<float> noise(0, 0.01f);
+  const auto ring = [&](PointCloud* cloud, float radius, float height) {
+    for (int k = -30; k <= 30; ++k) {
+      const float azimuth = 0.014f * static_cast<float>(k);
+      cloud->push_back(radius * std::cos(azimuth), radius * std::sin(azimuth), height + noise(rng));
+    }
+  };
+  constexpr int kMiddle = 30;
+  PointCloud floor;
+  for (const float radius : {4.5f, 5.2f, 6.2f}) ring(&floor, radius, -1.2f);
+  const Surface of_rings = surface_at(floor, kMiddle, 0.42f);
+  CHECK(of_rings.weight > 0.3f);
+  CHECK(std::abs(of_rings.normal.z()) > 0.998f);
+
+  // Nor do the last ring on the floor and those on a wall behind it make a plane between them.
+  PointCloud edge;
+  ring(&edge, 4.5f, -1.2f);
+  for (const float elevation : {-13.0f, -11.0f, -9.0f, -7.0f, -5.0f}) {
+    const float height = 5.1f * std::tan(elevation * 0.0174533f);
+    for (int k = -30; k <= 30; ++k) edge.push_back(5.1f + noise(rng), 0.071f * static_cast<float>(k), height);
+  }
+  const Surface across = surface_at(edge, kMiddle, 0.42f);
+  CHECK(across.weight < 0.1f);
+}
+
 TEST_CASE("a plane seen edge-on hardly counts") {
   PointCloud fan;  // clutter of some depth, crossed by one beam that sweeps at the height of the sensor
   for (int i = 0; i < 100; ++i)
