@@ -11,28 +11,20 @@
 namespace scanlock {
 namespace {
 
+/// Axes of the body that accelerate alike: what drives, and what swings (see kSwinging).
+struct Kind {
+  int first, last;
+};
+constexpr std::array<Kind, 4> kKinds = {{{0, 1}, {2, 2}, {3, 4}, {5, 5}}};
+
 constexpr double kLately = 1.0;  // seconds: a body accelerates about as it did in the last second
-
-/// The noise of the translation (first = 0) or of the rotation (3), with that of their velocities.
-Matrix12 part_of(const Matrix12& noise, int first) {
-  Matrix12 part = Matrix12::Zero();
-  for (const int row : {first, first + 6}) {
-    for (const int column : {first, first + 6})
-      part.block<3, 3>(row, column) = noise.block<3, 3>(row, column);
-  }
-  return part;
-}
-
-/// The sum of the variances of three velocities.
-double of_velocity(const Matrix12& covariance, int first) {
-  return covariance.diagonal().segment<3>(first + 6).sum();
-}
 
 }  // namespace
 
 void MotionErrors::start(const Matrix12& covariance) {
   covariance_ = covariance;
   accelerations_ = {};
+  shares_.setOnes();
   velocity_known_ = false;
 }
 
@@ -53,22 +45,36 @@ void MotionErrors::update(const MotionPrior& prior, const ScanAlignment& alignme
   if (prior.ahead_s > 0 && velocity_known_) {
     // What the update moved the state by is (G - I) e_predicted + L g.
     const Matrix12 moved = g - Matrix12::Identity();
-    const Matrix12 explained = moved * carried * moved.transpose() + measured;
+    const Vector12 explained = (moved * carried * moved.transpose() + measured).diagonal();
     const Vector6 by = outcome.twist - prior.mean.twist;
     const double kept = exp(-prior.ahead_s / kLately);
-    for (const int first : {0, 3}) {
-      Acceleration& acceleration = accelerations_[static_cast<std::size_t>(first / 3)];
-      const Matrix12 noise = part_of(prior.noise, first);
-      Acceleration now;
-      now.allowed = of_velocity(moved * noise * moved.transpose(), first);
-      now.seen = std::max(by.segment<3>(first).squaredNorm() - of_velocity(explained, first), 0.0);
+    Vector12 root;
+    for (std::size_t k = 0; k < accelerations_.size(); ++k) {
+      const Kind kind = kKinds[k];
+      Acceleration now, &lately = accelerations_[k];
+      for (int axis = kind.first; axis <= kind.last; ++axis) {
+        const int velocity = axis + 6;
+        // The noise of an axis is that of its position and of its velocity.
+        const Eigen::Vector2d response(moved(velocity, axis), moved(velocity, velocity));
+        Eigen::Matrix2d noise;
+        noise << prior.noise(axis, axis), prior.noise(axis, velocity), prior.noise(velocity, axis),
+            prior.noise(velocity, velocity);
+        now.allowed += response.dot(noise * response);
+        now.seen += by[axis] * by[axis] - explained[velocity];
+      }
+      now.seen = std::max(now.seen, 0.0);
       // Before anything is known all of it may be there.
-      if (acceleration.allowed <= 0) acceleration = {now.allowed, now.allowed};
-      acceleration.seen = kept * acceleration.seen + now.seen;
-      acceleration.allowed = kept * acceleration.allowed + now.allowed;
+      if (lately.allowed <= 0) lately = {now.allowed, now.allowed};
+      lately.seen = kept * lately.seen + now.seen;
+      lately.allowed = kept * lately.allowed + now.allowed;
       // What one scan shows for certain is there, though there was none before.
-      predicted += std::max(acceleration.share(), now.share()) * noise;
+      const double present = std::max(lately.share(), now.share());
+      for (int axis = kind.first; axis <= kind.last; ++axis) {
+        shares_[axis] = lately.share();
+        root[axis] = root[axis + 6] = std::sqrt(present);
+      }
     }
+    predicted += root.asDiagonal() * prior.noise * root.asDiagonal();
   }
   velocity_known_ = true;
   covariance_ = g * predicted * g.transpose() + measured;

@@ -31,14 +31,13 @@ class MotionErrors {
   void leave_to_map(double share);
 
   const Matrix12& covariance() const { return covariance_; }
-  /// Of the variance of the acceleration that the filter allows, what was there lately; all where nothing
-  /// is known. Linear; angular.
-  double linear_share() const { return accelerations_[0].share(); }
-  double angular_share() const { return accelerations_[1].share(); }
+  /// Of the variance of the acceleration that the filter allows along each axis of the body, the share that
+  /// was there lately; all where nothing is known.
+  const Vector6& shares() const { return shares_; }
 
  private:
-  /// Of the noise that a prior allows to a velocity, the share that was there: a quotient of two sums of
-  /// squares, m^2/s^2 or rad^2/s^2.
+  /// Of the noise that a prior allows to a velocity along an axis, what was there: sums of squares, m^2/s^2
+  /// or rad^2/s^2.
   struct Acceleration {
     double seen = 0;     ///< what updates moved the velocity by, beyond what errors explain
     double allowed = 0;  ///< what the noise would have made of that
@@ -47,7 +46,8 @@ class MotionErrors {
 
   Matrix12 covariance_ = Matrix12::Identity();
   bool velocity_known_ = false;                ///< before, that it changes tells no acceleration
-  std::array<Acceleration, 2> accelerations_;  ///< linear, angular: of the last second
+  std::array<Acceleration, 4> accelerations_;  ///< x and y, z, roll and pitch, yaw: of the last second
+  Vector6 shares_ = Vector6::Ones();
 };
 
 }  // namespace scanlock

@@ -260,9 +260,8 @@ Matrix6 Odometer::pose_covariance() const {
 
 /// Within a scan a body accelerates about as it did lately.
 MotionPrior Odometer::as_lately(MotionPrior prior) const {
-  prior.acceleration_variance.head<3>() *= std::min(errors_.linear_share(), 1.0);
-  prior.acceleration_variance.tail<3>() *= std::min(errors_.angular_share(), 1.0);
-  prior.acceleration_variance = prior.acceleration_variance.cwiseMax(kStraight);
+  prior.acceleration_variance =
+      prior.acceleration_variance.cwiseProduct(errors_.shares().cwiseMin(1.0)).cwiseMax(kStraight);
   return prior;
 }
 

@@ -50,10 +50,14 @@ struct FilteredDrive {
   /// One scan: `data` is its information, of which a residual has the variance `real`, and the filter takes
   /// it to be `assumed`.
   void step(const Matrix12& data, double real, double assumed, double share) {
+    step(data, real, assumed, Eigen::Vector3d::Constant(share));
+  }
+  /// `share`: along x, y and z.
+  void step(const Matrix12& data, double real, double assumed, const Eigen::Vector3d& share) {
     const MotionPrior prior = filter.predict(kPeriod);
     Vector12 part;  // it hardly turns, so that an axis of the body stays one of the world
-    part.head<3>().setConstant(share);
-    part.segment<3>(3).setConstant(1e-4 * share);
+    part.head<3>() = share;
+    part.segment<3>(3).setConstant(1e-4 * share.maxCoeff());
     part.tail<6>() = part.head<6>();
     const Vector12 root = part.cwiseSqrt();
     const Vector12 done =
@@ -107,25 +111,29 @@ double normalised_error(double assumed, double share) {
   return sum / count;
 }
 
-/// That of the linear acceleration at the end of a drive, the mean over drives.
-double linear_share(double share) {
-  double sum = 0;
+/// What is told at the end of a drive, the mean over drives.
+Vector6 told_shares(const Eigen::Vector3d& share) {
+  Vector6 sum = Vector6::Zero();
   const int drives = 40;
   for (int d = 0; d < drives; ++d) {
     FilteredDrive drive(static_cast<unsigned>(d + 1));
     for (int k = 0; k < 40; ++k) drive.step(strong_data(), 1e-3, 1e-3, share);
-    sum += drive.errors.linear_share() / drives;
+    sum += drive.errors.shares() / drives;
   }
   return sum;
 }
 
 }  // namespace
 
-TEST_CASE("the share of the acceleration that was there lately is told") {
-  CHECK(MotionErrors().linear_share() == 1);  // nothing is known
-  CHECK(MotionErrors().angular_share() == 1);
-  CHECK(linear_share(0.5) == doctest::Approx(0.5).epsilon(0.2));
-  CHECK(linear_share(0.01) < 0.1);
+TEST_CASE("the share of the acceleration that was there lately is told, of what drives and of what swings") {
+  CHECK(MotionErrors().shares() == Vector6::Ones());  // nothing is known
+  const Vector6 driven = told_shares({0.5, 0.5, 0.01}), swung = told_shares({0.01, 0.01, 0.5});
+  for (const int axis : {0, 1}) {
+    CHECK(driven[axis] == doctest::Approx(0.5).epsilon(0.2));
+    CHECK(swung[axis] < 0.1);
+  }
+  CHECK(driven[2] < 0.1);
+  CHECK(swung[2] == doctest::Approx(0.5).epsilon(0.25));
 }
 
 TEST_CASE("the covariance is that of the errors, whatever the filter takes for granted" *
