@@ -47,6 +47,8 @@ double prior_weight(double squared_error);
 /// The negative log-likelihood of the prior at s, but for a constant: (f + 12) / 2 log(1 + s / f).
 double prior_cost(double squared_error);
 
+struct ScanProblem;
+
 /// What a scan is aligned with: points in a frame near the sensor, their tree, and their surfaces.
 struct AlignmentTarget {
   const PointCloud& cloud;
@@ -124,8 +126,7 @@ class ScanAligner {
   std::vector<PointFit> fits(const AlignmentTarget& target) const;
 
  private:
-  struct Workspace;
-  std::unique_ptr<Workspace> workspace_;
+  std::unique_ptr<ScanProblem> problem_;
 };
 
 /// The points of a scan as they stood at its stamp: p' = exp(t * twist + bend_at(t) * acceleration) p.

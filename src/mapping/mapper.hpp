@@ -82,7 +82,9 @@ class Mapper {
     std::uint32_t nearest_keyframe = 0;  ///< as `nearest`, but where that is kOriginNode
     Matrix6 covariance = Matrix6::Zero();
   };
-  static constexpr double kAnyClosure = 1e12;  ///< before there was one, each is worth its cost
+  static constexpr auto kTrail =
+      static_cast<std::uint32_t>(1 / kPlaceSpacing);  ///< keyframes of one reach of way
+  static constexpr double kAnyClosure = 1e12;         ///< before there was one, each is worth its cost
   std::uint32_t stamp();
   void begin_submap();
   void return_to_submap(TrackedScan* tracked);

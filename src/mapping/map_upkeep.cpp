@@ -1,0 +1,125 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+// What becomes of the keyframes of a map: Mapper::follow_archive.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "global/hypothesis.hpp"
+#include "mapping/mapper.hpp"
+#include "odometry/scan_view.hpp"
+
+namespace scanlock {
+namespace {
+
+/// How much of what two keyframes show cannot both be there, whichever of them one asks (0 to 1).
+double contradiction(const ArchivedKeyframe& a, const ArchivedKeyframe& b) {
+  const Pose a_from_b = a.map_from_body.inverse() * b.map_from_body;
+  const ScanView a_view(*a.points), b_view(*b.points);
+  return std::max(a_view.contradicted_share(*b.points, a_from_b, b_view),
+                  b_view.contradicted_share(*a.points, a_from_b.inverse(), a_view));
+}
+
+}  // namespace
+
+/// Keyframes that the archive has added become nodes, and those that it has dropped leave.
+void Mapper::follow_archive() {
+  const std::vector<ArchivedKeyframe>& keyframes = tracker_.archive().keyframes();
+  if (keyframes.empty() || keyframes.back().id < known_) return;
+  for (const ArchivedKeyframe& k : keyframes) {
+    if (k.id >= known_) connect_odometry(k);
+  }
+  known_ = keyframes.back().id + 1;
+  drop_evicted();
+  drop_redundant();
+}
+
+/// To the keyframe before, to the map's frame where that is fixed, or where there is none.
+void Mapper::connect_odometry(const ArchivedKeyframe& keyframe) {
+  const Pose map_from_keyframe = tracker_.map_from_own() * keyframe.map_from_body;
+  active_.graph.add(kOriginNode, Pose::Identity());
+  active_.graph.add(keyframe.id, map_from_keyframe);
+  Constraint tie;
+  if (keyframe.tie) tie = *keyframe.tie;
+  if (keyframe.tie && active_.graph.contains(tie.from)) {
+    active_.graph.connect(tie);
+    return;
+  }
+  const ArchivedKeyframe* before = keyframe.tie ? tracker_.archive().find(tie.from) : nullptr;
+  if (before && tracker_.archive().is_fixed(before->id)) {
+    tie.from_to = tracker_.map_from_own() * before->map_from_body * tie.from_to;
+  } else {
+    tie.from_to = map_from_keyframe;
+    tie.information = inverse(Matrix6(tracker_.drift() + kPoseFloor * kPoseFloor * Matrix6::Identity()));
+  }
+  tie.from = kOriginNode;
+  tie.to = keyframe.id;
+  active_.graph.connect(tie);
+}
+
+void Mapper::drop_evicted() {
+  const auto drop = [&](PoseGraph& graph) {
+    std::vector<std::uint32_t> gone;
+    for (const auto& [id, pose] : graph.nodes()) {
+      if (id != kOriginNode && !tracker_.archive().find(id)) gone.push_back(id);
+    }
+    for (const std::uint32_t id : gone) {
+      if (history_) history_->remove(id, graph.nodes().at(id));
+      graph.remove(id);
+    }
+  };
+  drop(active_.graph);
+  for (Submap& other : others_) drop(other.graph);
+  const auto is_empty = [](const Submap& other) { return !other.fixed && other.graph.nodes().size() < 2; };
+  others_.erase(std::remove_if(others_.begin(), others_.end(), is_empty), others_.end());
+}
+
+/// Of keyframes that lie a reach behind the robot and show what an earlier visit saw, one is kept. Not while
+/// a closure is worked on: its answer has poses of the nodes as they are.
+void Mapper::drop_redundant() {
+  if (out_) return;
+  while (!revisits_.empty() && revisits_.begin()->first + kTrail <= known_) {
+    const auto [id, revisit] = *revisits_.begin();
+    revisits_.erase(revisits_.begin());
+    drop_redundant(id, revisit);
+  }
+}
+
+/// The older one is kept: a map that is measured against what it was, not against itself, does not drift. But
+/// where the two cannot both be there the place has changed, and the newer one shows it as it is.
+void Mapper::drop_redundant(std::uint32_t id, const Revisit& revisit) {
+  const ArchivedKeyframe* newer = tracker_.archive().find(id);
+  const ArchivedKeyframe* old = tracker_.archive().find(revisit.nearest_keyframe);
+  if (!newer || !old || !active_.graph.contains(id) || !active_.graph.contains(revisit.nearest)) return;
+  const double apart = (newer->map_from_body.translation() - old->map_from_body.translation()).norm();
+  const double unsure = 3 * std::sqrt(revisit.covariance.diagonal().head<3>().maxCoeff());
+  if (std::max(apart, unsure) > kSameSpot * static_cast<double>(newer->reach)) return;
+  const bool fixed = tracker_.archive().is_fixed(old->id);
+  const bool changed = !fixed && contradiction(*old, *newer) > kClearContradiction;
+  const std::uint32_t gone = changed ? revisit.nearest : id, kept = changed ? id : revisit.nearest;
+  Constraint between;
+  between.from = revisit.nearest;
+  between.to = id;
+  between.from_to = active_.graph.nodes().at(between.from).inverse() * active_.graph.nodes().at(between.to);
+  between.information = inverse(revisit.covariance);
+  if (history_ && fixed)
+    history_->remove(gone, active_.graph.nodes().at(gone));
+  else if (history_)
+    history_->replace(gone, kept, active_.graph.nodes().at(kept).inverse() * active_.graph.nodes().at(gone));
+  active_.graph.replace(gone, between);
+  const std::uint32_t kept_keyframe = changed ? id : old->id;
+  tracker_.replace(gone, kept_keyframe);
+  revisits_.erase(gone);
+  for (auto& [other, at] : revisits_) {
+    if (at.nearest != gone) continue;
+    at.nearest = kept;
+    at.nearest_keyframe = kept_keyframe;
+    at.covariance += revisit.covariance;
+  }
+  if (last_revisit_ && (last_revisit_->keyframe == gone || last_revisit_->nearest == gone))
+    last_revisit_.reset();
+  if (pending_ && (pending_->from == gone || pending_->to == gone)) pending_.reset();
+}
+
+}  // namespace scanlock
