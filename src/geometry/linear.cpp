@@ -25,10 +25,6 @@ Matrix12 inverse(const Matrix12& a) {
   return a.ldlt().solve(Matrix12::Identity());
 }
 
-Matrix18 inverse(const Matrix18& a) {
-  return a.ldlt().solve(Matrix18::Identity());
-}
-
 Matrix6 inverse(const Matrix6& a) {
   return a.inverse();
 }

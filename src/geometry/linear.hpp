@@ -20,7 +20,6 @@ Vector12 solve(const Matrix12& a, const Vector12& b);
 Vector18 solve(const Matrix18& a, const Vector18& b);
 /// The inverse of a positive definite matrix (LDLT).
 Matrix12 inverse(const Matrix12& a);
-Matrix18 inverse(const Matrix18& a);
 /// The inverse of any regular matrix (LU).
 Matrix6 inverse(const Matrix6& a);
 /// The lower triangular l with l l^T = a, for a positive definite a.

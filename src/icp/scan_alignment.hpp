@@ -84,8 +84,7 @@ struct ScanAlignment {
   /// residuals are small against nu, less where many have left the kernel's core.
   double curvature = 1;
   /// Covariance of the first derivative of the energy, order and frame as those of `information`; m^2 times
-  /// those of it. The points of a patch share an error: they count as one, and for what they drew the pose
-  /// by.
+  /// those of it. The points of a patch share an error: they count as one.
   Matrix12 scatter = Matrix12::Zero();
   double sweep_s = 0;  ///< from the first of its points to the last; 0 without times
   int iterations = 0, evaluations = 0;

@@ -121,11 +121,8 @@ struct ScanProblem final : DescentProblem {
   /// [d; eta]: pose <- prior * exp(d) * exp(x), twist <- twist + eta,
   /// acceleration <- acceleration + the last six.
   void linearise(Matrix18* hessian, Vector18* gradient) const;
-  /// Sum of g g^T / (1 - h) over the patches of the scene, g the sum of w r j of the points in it. A patch
-  /// draws the pose to itself by its leverage h, its share of `hessian` (that of data and prior) along the
-  /// step that g asks for, which makes its squared residuals smaller by 1 - h (HC2 of MacKinnon and White,
-  /// 1985).
-  Matrix18 scatter(const Matrix18& hessian) const;
+  /// Sum of g g^T over the patches of the scene, g the sum of w r j of the points in it.
+  Matrix18 scatter() const;
   std::uint64_t patch_of(std::size_t i) const;
 };
 

@@ -12,10 +12,6 @@ namespace {
 
 /// Residuals spread evenly over the kernel leave about none: the bound keeps what is divided by it finite.
 constexpr double kLeastCurvature = 0.05;
-/// The patch that alone holds a direction leaves no residual along it: the bound keeps what is divided
-/// finite.
-constexpr double kLeastLeft = 0.1;
-
 }  // namespace
 
 double ScanProblem::curvature() const {
@@ -28,41 +24,25 @@ double ScanProblem::curvature() const {
   return straight > 0 ? std::max(bent / straight, kLeastCurvature) : 1.0;
 }
 
-Matrix18 ScanProblem::scatter(const Matrix18& hessian) const {
+Matrix18 ScanProblem::scatter() const {
   std::vector<Eigen::Matrix<double, 6, 18>> bases;
   for (int k = 0; k <= ScanMotion::kKnots; ++k) bases.push_back(basis_of(k));
-  struct Derivative {
-    double weight, residual;
-    Vector18 j;
-  };
-  std::vector<Derivative> rows;
-  std::vector<std::pair<std::uint64_t, std::size_t>> parts;  // patch, row
-  rows.reserve(source->size());
+  std::vector<std::pair<std::uint64_t, Vector18>> parts;
   parts.reserve(source->size());
   visit_rows([&](const Row& row) {
-    parts.emplace_back(patch_of(row.point), rows.size());
-    rows.push_back({row.weight * kernel[row.point], row.along * row.residual,
-                    bases[static_cast<std::size_t>(row.knot)].transpose() * row.j});
+    if (row.along == 0) return;  // its residual is zero
+    const double force = row.weight * kernel[row.point] * row.residual;
+    parts.emplace_back(patch_of(row.point),
+                       force * bases[static_cast<std::size_t>(row.knot)].transpose() * row.j);
   });
-  std::sort(parts.begin(), parts.end());
-  const Matrix18 spread = inverse(hessian);
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   Matrix18 scatter = Matrix18::Zero();
-  for (std::size_t begin = 0, end = 0; begin < parts.size(); begin = end) {
-    Vector18 gradient = Vector18::Zero();
-    for (; end < parts.size() && parts[end].first == parts[begin].first; ++end) {
-      const Derivative& row = rows[parts[end].second];
-      gradient += row.weight * row.residual * row.j;
-    }
-    const Vector18 step = spread * gradient;
-    double own = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      const Derivative& row = rows[parts[i].second];
-      const double moved = row.j.dot(step);
-      own += row.weight * moved * moved;
-    }
-    const double all = gradient.dot(step);
-    const double leverage = all > 0 ? own / all : 0.0;
-    scatter.selfadjointView<Eigen::Lower>().rankUpdate(gradient, 1.0 / std::max(1.0 - leverage, kLeastLeft));
+  for (std::size_t i = 0; i < parts.size();) {
+    Vector18 sum = Vector18::Zero();
+    const std::uint64_t patch = parts[i].first;
+    for (; i < parts.size() && parts[i].first == patch; ++i) sum += parts[i].second;
+    scatter.selfadjointView<Eigen::Lower>().rankUpdate(sum);
   }
   return scatter.selfadjointView<Eigen::Lower>();
 }
@@ -108,7 +88,7 @@ void ScanProblem::tell(ScanAlignment* result) const {
   result->pose_information = all.topLeftCorner<6, 6>();
   result->information = all.topLeftCorner<12, 12>() + along.rightCols<6>() * all.bottomLeftCorner<6, 12>();
   // At the true acceleration the gradient of its prior is not zero either.
-  Matrix18 scattered = scatter(all + variance * held);
+  Matrix18 scattered = scatter();
   scattered.bottomRightCorner<6, 6>() += variance * expected;
   result->scatter = along * scattered * along.transpose();
 }
