@@ -38,7 +38,7 @@ class LocalSurfaces {
   static constexpr int kNeighbours = 14;
 
   /// Forgets all fits. Cloud and tree (of that cloud) must outlive this object's use; `radius`: neighbours
-  /// farther than this many metres do not count.
+  /// farther than this many metres do not count, and where those make no plane none farther than twice that.
   /// Where the cloud has eyes, planes that were seen edge-on weigh less, for most of them are the fan of a
   /// beam and no part of the scene.
   /// `walls`: the cloud was seen by a planar sensor, see fit_wall().

@@ -3,12 +3,22 @@
 #include "icp/scan_problem.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "icp/welsch.hpp"
 
 namespace scanlock {
+namespace {
+
+/// Sums over the points of one knot, in the frame of the prior's pose: j = [n; w x n].
+struct KnotSums {
+  Matrix6 jj = Matrix6::Zero();
+  Vector6 jr = Vector6::Zero();
+};
+
+}  // namespace
 
 void ScanProblem::begin(const PointCloud& cloud, const AlignmentTarget& to, const MotionPrior& from,
                         const ScanAlignmentOptions& with) {
@@ -99,13 +109,14 @@ Eigen::Matrix<double, 6, 18> ScanProblem::basis_of(int knot) const {
   return basis;
 }
 
-void ScanProblem::add(const Row& row, double weight, AllKnots* sums) {
-  KnotSums& sum = (*sums)[static_cast<std::size_t>(row.knot)];
-  sum.jj.selfadjointView<Eigen::Lower>().rankUpdate(row.j, weight);
-  sum.jr += weight * row.residual * row.j;
-}
-
-void ScanProblem::sum_up(const AllKnots& sums, Matrix18* hessian, Vector18* gradient) const {
+void ScanProblem::linearise(Matrix18* hessian, Vector18* gradient) const {
+  std::array<KnotSums, ScanMotion::kKnots + 1> sums{};
+  visit_rows([&](const Row& row) {
+    const double weight = row.weight * kernel[row.point];
+    KnotSums& sum = sums[static_cast<std::size_t>(row.knot)];
+    sum.jj.selfadjointView<Eigen::Lower>().rankUpdate(row.j, weight);
+    sum.jr += weight * row.residual * row.j;
+  });
   hessian->setZero();
   gradient->setZero();
   for (int k = 0; k <= ScanMotion::kKnots; ++k) {
@@ -116,12 +127,6 @@ void ScanProblem::sum_up(const AllKnots& sums, Matrix18* hessian, Vector18* grad
     *hessian += basis.transpose() * jj * basis;
     *gradient += basis.transpose() * sum.jr;
   }
-}
-
-void ScanProblem::linearise(Matrix18* hessian, Vector18* gradient) const {
-  AllKnots sums{};
-  visit_rows([&](const Row& row) { add(row, row.weight * kernel[row.point], &sums); });
-  sum_up(sums, hessian, gradient);
 }
 
 StateVector ScanProblem::image() {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -109,14 +108,6 @@ struct ScanProblem final : DescentProblem {
   /// Of a point at the time of a knot: [d; eta] moves it as basis * [d; eta] would at the stamp.
   Eigen::Matrix<double, 6, 18> basis_of(int knot) const;
 
-  /// Sums over the points of one knot, in the frame of the prior's pose: j = [n; w x n].
-  struct KnotSums {
-    Matrix6 jj = Matrix6::Zero();
-    Vector6 jr = Vector6::Zero();
-  };
-  using AllKnots = std::array<KnotSums, ScanMotion::kKnots + 1>;
-  static void add(const Row& row, double weight, AllKnots* sums);
-  void sum_up(const AllKnots& sums, Matrix18* hessian, Vector18* gradient) const;
   /// Gauss-Newton sums of the data: H = sum s w j j^T, g = sum s w r j, with j the derivative of r by
   /// [d; eta]: pose <- prior * exp(d) * exp(x), twist <- twist + eta,
   /// acceleration <- acceleration + the last six.

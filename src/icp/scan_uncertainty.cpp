@@ -12,6 +12,7 @@ namespace {
 
 /// Residuals spread evenly over the kernel leave about none: the bound keeps what is divided by it finite.
 constexpr double kLeastCurvature = 0.05;
+
 }  // namespace
 
 double ScanProblem::curvature() const {

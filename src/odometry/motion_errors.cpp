@@ -24,7 +24,6 @@ constexpr double kLately = 1.0;  // seconds: a body accelerates about as it did 
 void MotionErrors::start(const Matrix12& covariance) {
   covariance_ = covariance;
   accelerations_ = {};
-  shares_.setOnes();
   velocity_known_ = false;
 }
 
@@ -68,16 +67,20 @@ void MotionErrors::update(const MotionPrior& prior, const ScanAlignment& alignme
       lately.seen = kept * lately.seen + now.seen;
       lately.allowed = kept * lately.allowed + now.allowed;
       // What one scan shows for certain is there, though there was none before.
-      const double present = std::max(lately.share(), now.share());
-      for (int axis = kind.first; axis <= kind.last; ++axis) {
-        shares_[axis] = lately.share();
-        root[axis] = root[axis + 6] = std::sqrt(present);
-      }
+      const double present = std::sqrt(std::max(lately.share(), now.share()));
+      for (int axis = kind.first; axis <= kind.last; ++axis) root[axis] = root[axis + 6] = present;
     }
     predicted += root.asDiagonal() * prior.noise * root.asDiagonal();
   }
   velocity_known_ = true;
   covariance_ = g * predicted * g.transpose() + measured;
+}
+
+Vector6 MotionErrors::shares() const {
+  Vector6 result;
+  for (std::size_t k = 0; k < kKinds.size(); ++k)
+    for (int axis = kKinds[k].first; axis <= kKinds[k].last; ++axis) result[axis] = accelerations_[k].share();
+  return result;
 }
 
 void MotionErrors::coast(const MotionPrior& prior) {

@@ -33,7 +33,7 @@ class MotionErrors {
   const Matrix12& covariance() const { return covariance_; }
   /// Of the variance of the acceleration that the filter allows along each axis of the body, the share that
   /// was there lately; all where nothing is known.
-  const Vector6& shares() const { return shares_; }
+  Vector6 shares() const;
 
  private:
   /// Of the noise that a prior allows to a velocity along an axis, what was there: sums of squares, m^2/s^2
@@ -47,7 +47,6 @@ class MotionErrors {
   Matrix12 covariance_ = Matrix12::Identity();
   bool velocity_known_ = false;                ///< before, that it changes tells no acceleration
   std::array<Acceleration, 4> accelerations_;  ///< x and y, z, roll and pitch, yaw: of the last second
-  Vector6 shares_ = Vector6::Ones();
 };
 
 }  // namespace scanlock
