@@ -18,9 +18,6 @@
 
 namespace scanlock {
 
-/// Fewer points cannot fix six numbers against outliers.
-inline constexpr std::size_t kLeastPoints = 30;
-
 // Trust in an alignment, by the robust z-score of its energy. That of good ones stays below 5 in streets and
 // rooms; a kidnap gives 10 and more.
 inline constexpr double kFitScore =

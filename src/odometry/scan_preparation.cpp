@@ -126,7 +126,7 @@ double VoxelScale::current(double median_range) {
 }
 
 bool VoxelScale::adapt(std::size_t thinned, std::size_t cropped, bool planar) {
-  if (voxel_ == 0 || cropped == 0) return false;
+  if (voxel_ == 0 || cropped < kLeastPoints) return false;
   // A voxel smaller than a few points of a scan is no thinning, and its surfaces are made of noise. A line
   // needs fewer.
   const double share = planar ? kPlanarPointsPerVoxel : kPointsPerVoxel;

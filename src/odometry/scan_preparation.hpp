@@ -10,6 +10,9 @@
 
 namespace scanlock {
 
+/// Fewer points cannot fix six numbers against outliers.
+inline constexpr std::size_t kLeastPoints = 30;
+
 /// Whether all points lie in the plane of x and y; those that are not finite do not count.
 bool is_planar(const PointCloud& points);
 
@@ -30,8 +33,8 @@ class VoxelScale {
   VoxelScale(int wanted, double min_voxel, double max_voxel);
   /// The size to use for a scan with this median range (a first guess) and this many points within range.
   double current(double median_range);
-  /// Takes how many points the last scan was thinned to; true when the size changed by it. `planar`: they lie
-  /// on lines.
+  /// Takes how many points the last scan was thinned to; true when the size changed by it: a scan of fewer
+  /// than kLeastPoints says nothing of the scene. `planar`: they lie on lines.
   bool adapt(std::size_t thinned, std::size_t cropped, bool planar);
 
  private:

@@ -144,7 +144,7 @@ struct Tracker::State {
     if (distrusted_scans > 0) return odometer->probe(scan, prior, Reach::kNear);
     Attempt best = odometer->align(scan, prior, Reach::kNear);
     // After a gap the heading may be another, and rooms look alike once turned.
-    if (explains(best, kFitScore) && (prior.ahead_s < kMoment || usual_share(best.health))) return best;
+    if (explains(best, kFitScore) && (unseen_s() < kMoment || usual_share(best.health))) return best;
     // A far look is dear, and a part of the points will do for it: the next scan must not wait.
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);
@@ -275,12 +275,19 @@ struct Tracker::State {
 
   /// Nothing was learnt: the prediction stands in, and is not believed for long.
   void coast(const MotionPrior& prior) {
-    odometer->coast(prior);
-    if (unseen_s() > kCoastSeconds) odometer->stand();
+    coast_blind(prior);
     ++distrusted_scans;
+    if (state != TrackingState::kInitialising && !relocation.lost() && distrusted_scans > 1) lose();
+  }
+
+  /// The same where there is nothing to learn from, as in a gap between scans.
+  void coast_blind(const MotionPrior& prior) {
+    odometer->coast(prior);
+    const bool long_ago = unseen_s() > kCoastSeconds;
+    if (long_ago) odometer->stand();
     if (state == TrackingState::kInitialising || relocation.lost()) return;
     state = TrackingState::kDegraded;
-    if (distrusted_scans > 1) lose();
+    if (long_ago) lose();
   }
 
   // ---- lost
@@ -417,7 +424,7 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
     if (s.relocation.has_excursion()) {
       s.relocation.coast(s.dt, *s.odometer);
     } else {
-      s.coast(s.predict(hints));
+      s.coast_blind(s.predict(hints));
     }
     tracked.method = PoseMethod::kPredicted;
     tracked.stop_reason = StopReason::kTooFewPoints;

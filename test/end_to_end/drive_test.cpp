@@ -57,11 +57,27 @@ TEST_SUITE("long drives") {
     }
   }
 
-  TEST_CASE("a robot that came back from darkness is not lost again at the next scan") {
+  TEST_CASE("two seconds of darkness are DEGRADED, and bridged in the same epoch") {
     const std::vector<Step> steps = simulated_drive(22, 992, {"blackout@15+2"});
-    CHECK(steps.back().tracked.state == TrackingState::kTracking);
-    CHECK(steps.back().tracked.epoch == 1);
+    for (std::size_t i = 1; i < steps.size(); ++i) {
+      const TrackedScan& tracked = steps[i].tracked;
+      CHECK(tracked.epoch == 0);
+      const bool dark = tracked.verdict == ScanVerdict::kEmpty;
+      CHECK(tracked.method == (dark ? PoseMethod::kPredicted : PoseMethod::kIcp));
+      if (dark) CHECK(tracked.state == TrackingState::kDegraded);
+    }
     CHECK(steps.back().metres_off() < 0.3);
+  }
+
+  TEST_CASE("a robot that is carried away in darkness does not go on where it was") {
+    for (const std::uint64_t seed : {992, 993}) {
+      CAPTURE(seed);
+      const std::vector<Step> steps = simulated_drive(22, seed, {"blackout@15+2", "kidnap@16"});
+      for (const Step& step : steps)
+        if (step.tracked.state == TrackingState::kTracking) CHECK(step.metres_off() < 0.5);
+      CHECK(steps.back().tracked.state == TrackingState::kTracking);
+      CHECK(steps.back().tracked.epoch == 1);
+    }
   }
 
   TEST_CASE("a clock that steps by half a second costs two scans") {
