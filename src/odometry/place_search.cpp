@@ -9,7 +9,7 @@
 namespace scanlock {
 namespace {
 
-constexpr int kFirstScans = 6;        // that make the first submap
+constexpr int kFirstScans = 2;        // of the first one the motion is hearsay
 constexpr int kLongestPause = 600;    // scans between two requests,
 constexpr int kRarer = 20;            // and how soon they get rare where they bring nothing
 constexpr int kSecondLook = 1;        // scans before one that follows a find, and another one

@@ -18,10 +18,6 @@ constexpr double kFarGate = 2.0;      // metres: a prediction so far off needs t
 constexpr double kAgreeMetres = 1.0;  // metres: finds of two searches that mean the same,
 constexpr double kAgreeRadians = 6.0 * kDegree;
 constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival is enough there
-// What a robot that nobody sees does not do between the last scan that was believed and the first of those
-// that are matched with the map: more makes it another place.
-constexpr double kStrayMetres = 1.0, kStrayRadians = 0.15;                 // at once, and by
-constexpr double kStrayAcceleration = 4.0, kStrayTurnRate = 20 * kDegree;  // m/s^2, rad/s
 constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
 constexpr double kAsNear = 1.2;   // times the distance of the archive's nearest: it shows the place no better
 
@@ -91,8 +87,6 @@ void Relocation::depart_or_follow(std::int64_t utime, double dt, const PreparedS
   gate_m_ = 0.5 + 3.0 * std::sqrt(covariance.diagonal().head<3>().maxCoeff());
   gate_rad_ = 3.0 * kDegree + 3.0 * std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
   if (!excursion_) excursion_.emplace(config_, utime, scan, odometer.state());
-  departed_ = excursion_->state();
-  departed_utime_ = utime;
 }
 
 /// The state is where the robot would be, had it not been lost. It knows its way, so that the prediction does
@@ -218,8 +212,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     return;
   }
   cover(places, archive, voxel, odometer);
-  const bool twice = answer.contradiction <= kSoundContradiction && !planar &&
-                     ((clear && agreeing >= kAgreeing) || is_expected(answer.map_from_predicted));
+  const bool twice = answer.contradiction <= kSoundContradiction && !planar && clear && agreeing >= kAgreeing;
   const PlaceEvidence evidence = twice ? PlaceEvidence::kTwice : answer.evidence;
   Contest contest(places, evidence);
   for (const Pose& standing : answer.standing) contest.note_standing(standing, *excursion_);
@@ -263,17 +256,6 @@ std::vector<Pose> Relocation::rivals_of(const RecoveryAnswer& answer) const {
 bool Relocation::agree(const Pose& a, const Pose& b, double metres, double radians) const {
   const Pose& predicted = excursion_->state().pose;
   return near(a * predicted, b * predicted, metres, radians);
-}
-
-/// Whether a correction puts the robot to where it may have come from where it was seen last.
-bool Relocation::is_expected(const Pose& map_from_predicted) const {
-  if (!last_seen_ || looks_alike_) return false;
-  const double blind_s = 1e-6 * static_cast<double>(departed_utime_ - last_seen_->utime);
-  if (blind_s > kCoastSeconds) return false;
-  const double turned = kStrayTurnRate * blind_s, sped = kStrayAcceleration * blind_s;
-  return near(map_from_predicted * departed_.pose, departed_.pose,
-              kStrayMetres + std::min(0.5 * sped, kStrayMetres + departed_.twist.head<3>().norm()) * blind_s,
-              kStrayRadians + turned);
 }
 
 void Relocation::propose_here() {

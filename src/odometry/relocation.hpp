@@ -88,7 +88,6 @@ class Relocation {
              Odometer& odometer) const;
   std::vector<Pose> rivals_of(const RecoveryAnswer& answer) const;
   bool agree(const Pose& a, const Pose& b, double metres, double radians) const;
-  bool is_expected(const Pose& map_from_predicted) const;
   Recovery recovery_of(const RecoveryAnswer& answer) const;
 
   TrackerConfig config_;
@@ -99,8 +98,6 @@ class Relocation {
   bool nothing_found_ = false;  ///< by the last search
   int scans_ = 0;               ///< since it was lost
   std::optional<Excursion> excursion_;
-  MovingPose departed_;  ///< where it began, and when
-  std::int64_t departed_utime_ = 0;
   double gate_m_ = 0, gate_rad_ = 0;  ///< how far the prediction may be off where the excursion began
   double energy_before_ = 1;
   std::optional<Candidate> candidate_;
