@@ -13,12 +13,12 @@
 #include <string>
 
 #include "command_line.hpp"
-#include "daemon/map_file.hpp"
 #include "daemon/map_store.hpp"
 #include "io/cloud_file.hpp"
 #include "io/lcm_log.hpp"
 #include "io/log_info.hpp"
 #include "io/log_poses.hpp"
+#include "io/map_file.hpp"
 #include "io/output_files.hpp"
 #include "io/progress_bar.hpp"
 #include "io/scan_log.hpp"
