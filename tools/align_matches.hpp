@@ -44,7 +44,8 @@ inline bool wants_matches(int argc, char** argv) {
 }
 
 inline void declare_align_matches(CLI::App& app, AlignMatchesOptions& options) {
-  app.footer("FILE: one match a line, px py pz qx qy qz, metres; # starts a comment.");
+  explain(app, "FILE: one match a line, px py pz qx qy qz, metres; # starts a comment.",
+          {"scanlock-align --correspondences matches.txt --epsilon 0.1 --json"});
   app.add_option("--correspondences", options.file, "the candidate matches")->required();
   app.add_option("--epsilon", options.registration.epsilon, "largest residual of an inlier, metres")
       ->required();

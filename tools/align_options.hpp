@@ -46,7 +46,10 @@ symmetric-icp, robust-symmetric-icp        the same with the normals of both clo
 scanlock-align --correspondences FILE --epsilon METRES solves a file of candidate matches instead; see its --help.)";
 
 inline void declare_align_options(CLI::App& app, AlignOptions& options) {
-  app.footer(kAlignFooter);
+  explain(app, kAlignFooter,
+          {"scanlock-align scan.ply site.ply --json",
+           "scanlock-align scan.ply site.ply --init T.txt --picture alignment.svg --output aligned.ply",
+           "scanlock-align scans/*.bin --chain --poses poses.tum --output map.ply"});
   app.add_option("SOURCE", options.source, "the cloud to move")->required();
   app.add_option("TARGET", options.target, "the cloud to move it to")->required();
   app.add_option("MORE", options.more, "with --chain: further clouds");

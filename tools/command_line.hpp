@@ -74,6 +74,14 @@ inline CLI::Validator channel_name() {
   return CLI::Validator(check, "");
 }
 
+/// What --help says after the options: explanations, if any, and commands that are examples.
+inline void explain(CLI::App& app, std::string text, const std::vector<std::string>& examples) {
+  if (!text.empty()) text += "\n\n";
+  text += examples.size() > 1 ? "Examples:" : "Example:";
+  for (const std::string& example : examples) text += "\n  " + example;
+  app.footer(text);
+}
+
 inline std::string nearest_flag(const CLI::App& app, const std::string& letters) {
   std::vector<std::string> known;
   for (const CLI::Option* option : app.get_options())
@@ -109,7 +117,9 @@ int run_program(const char* program, const char* description, int argc, char** a
     std::cerr.tie(nullptr);  // it would flush standard output, and nobody would look at what came of that
     Options options;
     CLI::App app(description, program);
-    app.set_version_flag("-V,--version", std::string(program) + " " + SCANLOCK_VERSION);
+    app.set_help_flag("-h,--help", "print this help and exit");
+    app.set_version_flag("-V,--version", std::string(program) + " " + SCANLOCK_VERSION,
+                         "print the version and exit");
     declare(app, options);
     int code = 0;
     try {

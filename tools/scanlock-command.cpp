@@ -36,10 +36,7 @@ constexpr const char* kFooter = R"(Commands:
   reset                       it forgets its map; the next scan is the first of a new one
   set-pose X Y Z YAW_DEG      the body stands there in the map: metres and degrees
 
-Files are those of the machine that the daemon runs on. Exit 0: done; 1: rejected, with the daemon's reason, or no answer.
-
-  scanlock-command save yard.map
-  scanlock-command -l 'udpm://239.255.76.67:7667?ttl=1' set-pose 12.5 -3 0 90)";
+Files are those of the machine that the daemon runs on. Exit 0: done; 1: rejected, with the daemon's reason, or no answer.)";
 
 double number(const std::string& word) {
   double value = 0;
@@ -130,7 +127,9 @@ int run(const Options& options) {
 }
 
 void declare(CLI::App& app, Options& options) {
-  app.footer(kFooter);
+  explain(app, kFooter,
+          {"scanlock-command save yard.map",
+           "scanlock-command -l 'udpm://239.255.76.67:7667?ttl=1' set-pose 12.5 -3 0 90"});
   app.add_option("COMMAND", options.words, "save, load, reset or set-pose, and its arguments")->required();
   app.add_option("-l,--lcm-url", options.url,
                  "LCM URL (default: LCM_DEFAULT_URL, else this host's multicast)");

@@ -13,12 +13,12 @@
 #include <string>
 
 #include "command_line.hpp"
-#include "daemon/map_file.hpp"
 #include "daemon/map_store.hpp"
 #include "io/cloud_file.hpp"
 #include "io/lcm_log.hpp"
 #include "io/log_info.hpp"
 #include "io/log_poses.hpp"
+#include "io/map_file.hpp"
 #include "io/output_files.hpp"
 #include "io/progress_bar.hpp"
 #include "io/scan_log.hpp"
@@ -59,7 +59,9 @@ has no times) scan n is stamped n periods after zero. --utime moves zero to US; 
 and 0 when times.txt begins later than zero. The log's events carry the scans' own utime.)";
 
 void declare(CLI::App& app, Options& options) {
-  app.footer(kFooter);
+  explain(app, kFooter,
+          {"scanlock-convert drive.lcmlog --info", "scanlock-convert drive.lcmlog scans --channel LIDAR",
+           "scanlock-convert poses.lcmlog poses.tum --channel POSE_BODY_CORRECTED"});
   app.add_option("IN", options.input, "a directory of scans, an LCM log or a trajectory")->required();
   app.add_option("OUT", options.output, "an LCM log, a new directory or a trajectory");
   app.add_option("--channel", options.channel, "of the scans (default: LIDAR) or poses (POSE_BODY_CORRECTED)")

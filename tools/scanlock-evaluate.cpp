@@ -53,7 +53,9 @@ log or has no covariances; its mean: null (infinite) where a covariance is not p
 KITTI: stretches of 100 to 800 m from every tenth pose, as the development kit averages them.)";
 
 void declare(CLI::App& app, Options& options) {
-  app.footer(kFooter);
+  explain(app, kFooter,
+          {"scanlock-evaluate poses.tum truth.tum --align se3 --html report.html",
+           "scanlock-evaluate poses.lcmlog:SCANLOCK_LOCAL_POSE truth.tum --align yaw --json"});
   app.add_option("ESTIMATE", options.estimate, "the trajectory to judge")->required();
   app.add_option("REFERENCE", options.reference, "the trajectory to judge it by")->required();
   app.add_option("--align", options.align, "how the estimate is laid over the reference (default: none)")

@@ -202,23 +202,25 @@ int run(const Options& options) {
 }
 
 void declare(CLI::App& app, Options& options) {
+  explain(app, "",
+          {"scanlock-odometry drive.lcmlog --poses poses.tum --map map.ply",
+           "scanlock-odometry drive.lcmlog --start-map site.ply --output poses.lcmlog --json"});
   app.add_option("LOG", options.log_path, "LCM log with scans")->required();
-  app.add_option("-c,--config", options.config_path, "Configuration (TOML), as scanlockd reads it");
-  app.add_option("--scan-channel", options.channels,
-                 "Channel of the scans; may be given again (default LIDAR)")
+  app.add_option("-c,--config", options.config_path, "configuration (TOML), as scanlockd reads it");
+  app.add_option("--scan-channel", options.channels, "channel of the scans; may be repeated (default: LIDAR)")
       ->allow_extra_args(false);
-  app.add_option("--threads", options.threads, "Worker threads; the result does not depend on it")
+  app.add_option("--threads", options.threads, "worker threads; the result does not depend on it")
       ->check(CLI::Range(1, 256).description(""));
   app.add_option("--poses", options.tum_path,
-                 "Write the trajectory (TUM), as loop closures leave it at the end");
-  app.add_option("--kitti", options.kitti_path, "Write the trajectory (KITTI), likewise");
+                 "write the trajectory (TUM), as loop closures leave it at the end");
+  app.add_option("--kitti", options.kitti_path, "write the trajectory (KITTI), likewise");
   app.add_option("--output", options.output_path,
-                 "Write poses and odometry messages (LCM log), as they were at the time");
+                 "write poses and odometry messages (LCM log), as they were at the time");
   app.add_option("--start-map", options.start_map_path,
-                 "Map to find the place in (.map, .ply, .pcd), as scanlockd --map; it is not written");
-  app.add_option("--map", options.map_path, "Write the map at the end (.ply)");
-  app.add_flag("--force", options.force, "Overwrite outputs that are there already");
-  app.add_flag("--json", options.json, "Print one JSON object on standard output");
+                 "map to find the place in (.map, .ply, .pcd), as scanlockd --map; it is not written");
+  app.add_option("--map", options.map_path, "write the map at the end (.ply)");
+  app.add_flag("--force", options.force, "overwrite outputs that are there already");
+  app.add_flag("--json", options.json, "print one JSON object on standard output");
 }
 
 }  // namespace

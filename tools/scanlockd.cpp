@@ -169,6 +169,9 @@ int serve(const Config& config) {
 }
 
 void declare(CLI::App& app, Options& options) {
+  explain(app, "",
+          {"scanlockd --check", "scanlockd --scan-channel LIDAR --map yard.map", "scanlockd -c robot.toml",
+           "scanlockd -l 'file://drive.lcmlog?speed=0' --out-url 'file://poses.lcmlog?mode=w'"});
   app.add_option("-c,--config", options.config_path, "configuration (TOML); --print-config shows all keys");
   app.add_option("-l,--lcm-url", options.url,
                  "LCM URL of the scans; default: LCM_DEFAULT_URL, else " + std::string(kDefaultUrl));

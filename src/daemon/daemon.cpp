@@ -80,13 +80,20 @@ void Daemon::serve(StopSignal& stop) {
 
 void Daemon::work() {
   while (const auto item = inbox_.take()) {
+    busy_since_ = Clock::now();
     if (const auto* command = std::get_if<Command>(&*item))
       pipeline_.execute(*command);
     else
       finished_.put(pipeline_.process(std::get<ReceivedScan>(*item)));
     pipeline_.save_map_when_due();
+    busy_since_ = Clock::time_point{};
   }
   pipeline_.finish();
+}
+
+Clock::duration Daemon::busy() const {
+  const Clock::time_point since = busy_since_;
+  return since == Clock::time_point{} ? Clock::duration::zero() : Clock::now() - since;
 }
 
 void Daemon::publish_until_the_end(const StopSignal& stop) {
@@ -95,9 +102,11 @@ void Daemon::publish_until_the_end(const StopSignal& stop) {
       std::chrono::duration<double>(config_.daemon.status_period_s));
   SilenceWatch silence(scan_channel_names(config_.daemon), config_.daemon.silence_warning_s, Clock::now());
   auto next_status = Clock::now();
+  manager_.ready();
   while (!finished_.ended()) {
     if (stop.requested()) inbox_.close();  // the worker finishes the scan at hand, and no other
     const auto now = Clock::now();
+    manager_.alive(now, busy());
     if (now >= next_status) {
       outputs.publish_status();
       next_status = now + period;
@@ -107,6 +116,7 @@ void Daemon::publish_until_the_end(const StopSignal& stop) {
     if (const auto finished = finished_.take_until(std::min(next_status, now + kGlance)))
       outputs.publish(*finished);
   }
+  manager_.stopping();
   outputs.publish_status();  // the last word
 }
 

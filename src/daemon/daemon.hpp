@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -10,6 +12,7 @@
 #include "daemon/pipeline.hpp"
 #include "daemon/receiver.hpp"
 #include "daemon/scan_slot.hpp"
+#include "daemon/service_manager.hpp"
 #include "daemon/statistics.hpp"
 #include "daemon/stop_signal.hpp"
 
@@ -38,6 +41,7 @@ class Daemon {
   void replay(const StopSignal& stop);
   void serve(StopSignal& stop);
   void work();
+  std::chrono::steady_clock::duration busy() const;
   void publish_until_the_end(const StopSignal& stop);
 
   const Config config_;
@@ -47,6 +51,9 @@ class Daemon {
   std::unique_ptr<MessageSink> sink_;
   WorkInbox inbox_;
   Slot<FinishedScan> finished_;
+  ServiceManager manager_;
+  /// When the worker took the item at hand; the epoch of the clock while it waits for one.
+  std::atomic<std::chrono::steady_clock::time_point> busy_since_{std::chrono::steady_clock::time_point{}};
 };
 
 }  // namespace scanlock

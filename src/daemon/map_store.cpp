@@ -12,10 +12,10 @@
 #include <set>
 #include <stdexcept>
 
-#include "daemon/map_file.hpp"
 #include "daemon/mount.hpp"
 #include "geometry/moved_cloud.hpp"
 #include "io/cloud_file.hpp"
+#include "io/map_file.hpp"
 #include "mapping/cloud_map.hpp"
 
 namespace scanlock {

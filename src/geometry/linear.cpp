@@ -8,6 +8,18 @@
 #include <limits>
 
 namespace scanlock {
+namespace {
+
+/// Column by column: for several at once, Eigen adds in an order that depends on the processor's registers.
+template <int kSize, typename Factors>
+Eigen::Matrix<double, kSize, kSize> columns_of_inverse(const Factors& factors) {
+  Eigen::Matrix<double, kSize, kSize> inverse;
+  for (int i = 0; i < kSize; ++i)
+    inverse.col(i) = factors.solve(Eigen::Matrix<double, kSize, 1>::Unit(i).eval());
+  return inverse;
+}
+
+}  // namespace
 
 Vector6 solve(const Matrix6& a, const Vector6& b) {
   return a.ldlt().solve(b);
@@ -22,11 +34,11 @@ Vector18 solve(const Matrix18& a, const Vector18& b) {
 }
 
 Matrix12 inverse(const Matrix12& a) {
-  return a.ldlt().solve(Matrix12::Identity());
+  return columns_of_inverse<12>(a.ldlt());
 }
 
 Matrix6 inverse(const Matrix6& a) {
-  return a.inverse();
+  return columns_of_inverse<6>(a.partialPivLu());
 }
 
 Matrix6 cholesky(const Matrix6& a) {

@@ -42,6 +42,31 @@ class Nearest {
   float bound_ = std::numeric_limits<float>::infinity();
 };
 
+/// Columns of a product that are summed at once, in registers.
+constexpr Eigen::Index kStrip = 16;
+using Strip = Eigen::Array<float, kStrip, 1>;
+
+/// The first `rows` rows of `product` become a b, where `a` points to the first of so many rows, and b has a
+/// multiple of kStrip columns. Each element is a sum in the order of the columns of a. Eigen's product has
+/// other orders for other processors, and on arm64 fused additions, so that near ties between descriptors
+/// would be decided in another way there.
+void multiply(const float* a, Eigen::Index rows, const Descriptors& b, Descriptors* product) {
+  const Eigen::Index depth = b.rows();
+  for (Eigen::Index column = 0; column < b.cols(); column += kStrip) {
+    for (Eigen::Index row = 0; row < rows; row += 2) {
+      const Eigen::Index next = std::min(row + 1, rows - 1);
+      Strip sum = Strip::Zero(), next_sum = Strip::Zero();
+      for (Eigen::Index k = 0; k < depth; ++k) {
+        const Eigen::Map<const Strip> factors(b.data() + k * b.cols() + column);
+        sum += a[row * depth + k] * factors;
+        next_sum += a[next * depth + k] * factors;
+      }
+      Eigen::Map<Strip>(product->data() + row * product->cols() + column) = sum;
+      Eigen::Map<Strip>(product->data() + next * product->cols() + column) = next_sum;
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::pair<std::uint32_t, std::uint32_t>> mutual_nearest(const Descriptors& a,
@@ -55,14 +80,20 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> mutual_nearest(const Descri
   const Eigen::RowVectorXf mean = b.colwise().mean();
   const Descriptors centred_a = a.rowwise() - mean;
   const Eigen::MatrixXf columns_b = (b.rowwise() - mean).transpose();
-  const Eigen::RowVectorXf squares_b = columns_b.colwise().squaredNorm();
+  const Eigen::Index columns = (b.rows() + kStrip - 1) / kStrip * kStrip;
+  Descriptors strips_b = Descriptors::Zero(b.cols(), columns);
+  strips_b.leftCols(b.rows()) = columns_b;
+  Eigen::RowVectorXf squares_b = Eigen::RowVectorXf::Zero(columns);
+  squares_b.head(b.rows()) = columns_b.colwise().squaredNorm();
   std::vector<float> bounds_b(static_cast<std::size_t>(b.rows()), std::numeric_limits<float>::infinity());
-  Descriptors distances;
+  Descriptors distances(kBlock, columns);
   for (Eigen::Index first = 0; first < a.rows(); first += kBlock) {
     const Eigen::Index rows = std::min(kBlock, a.rows() - first);
-    distances.noalias() = -2.0f * centred_a.middleRows(first, rows) * columns_b;
-    distances.rowwise() += squares_b;
-    distances.colwise() += centred_a.middleRows(first, rows).rowwise().squaredNorm();
+    multiply(centred_a.data() + first * centred_a.cols(), rows, strips_b, &distances);
+    auto block = distances.topRows(rows);
+    block *= -2.0f;
+    block.rowwise() += squares_b;
+    block.colwise() += centred_a.middleRows(first, rows).rowwise().squaredNorm();
     for (Eigen::Index r = 0; r < rows; ++r) {
       const std::uint32_t i = static_cast<std::uint32_t>(first + r);
       const float* row = distances.data() + r * distances.cols();

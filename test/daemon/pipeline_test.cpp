@@ -9,7 +9,7 @@
 
 #include "../io/temporary_directory.hpp"
 #include "../odometry/room.hpp"
-#include "daemon/map_file.hpp"
+#include "io/map_file.hpp"
 
 using namespace scanlock;
 

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "../contains.hpp"
-#include "daemon/map_file.hpp"
+#include "io/map_file.hpp"
 #include "listener.hpp"
 #include "messages/encode_scan.hpp"
 #include "network.hpp"

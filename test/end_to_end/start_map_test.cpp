@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "../contains.hpp"
-#include "daemon/map_file.hpp"
 #include "io/cloud_file.hpp"
+#include "io/map_file.hpp"
 #include "io/trajectory.hpp"
 #include "process.hpp"
 

@@ -23,7 +23,7 @@ namespace {
 
 const char* const kPrograms[] = {"scanlock-align",    "scanlock-command",  "scanlock-convert",
                                  "scanlock-evaluate", "scanlock-simulate", "scanlock-odometry",
-                                 "scanlockd"};
+                                 "scanlock-spy",      "scanlockd"};
 
 }  // namespace
 
@@ -35,6 +35,8 @@ TEST_CASE("every program tells its help and version on standard output") {
       CHECK(help.code == 0);
       CHECK(help.errors.empty());
       CHECK(contains(help.output, "Usage: " + program));
+      CHECK(contains(help.output, "\nExample"));
+      CHECK(contains(help.output, "  " + program + " "));  // which is a command
     }
     for (const std::string flag : {"-V", "--version"}) {
       const Result version = run(folder, {program, flag});

@@ -1,8 +1,8 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "daemon/map_file.hpp"
 #include "fuzz.hpp"
 #include "io/crc32.hpp"
+#include "io/map_file.hpp"
 
 using namespace scanlock;
 

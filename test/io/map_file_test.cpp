@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "daemon/map_file.hpp"
+#include "io/map_file.hpp"
 
 #include <doctest/doctest.h>
 #include <sys/stat.h>
@@ -12,9 +12,9 @@
 #include <random>
 
 #include "../contains.hpp"
-#include "../io/temporary_directory.hpp"
 #include "io/atomic_file.hpp"
 #include "io/crc32.hpp"
+#include "temporary_directory.hpp"
 
 using namespace scanlock;
 

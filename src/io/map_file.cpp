@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "daemon/map_file.hpp"
+#include "io/map_file.hpp"
 
 #include <algorithm>
 #include <array>
