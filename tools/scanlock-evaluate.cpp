@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string estimate, reference, picture, html;
-  std::string align = "none";
+  std::string align = "se3";
   double tolerance_s = kDefaultTimeTolerance;
   bool json = false, force = false;
 };
@@ -34,9 +34,9 @@ LCM log alone for its channel POSE_BODY_CORRECTED.
 Poses are matched by time: each estimate with the reference nearest to it, not farther than --tolerance.
 Where either side is a KITTI file, which has no times, the n-th pose is matched with the n-th.
 
+--align se3    lays the estimate over the reference by the best rigid motion (Umeyama without scale), as evo -a does
+--align yaw    by translation and rotation about z alone
 --align none   compares the trajectories as they stand: both must be given in the same frame
---align yaw    lays the estimate over the reference by translation and rotation about z
---align se3    by the best rigid motion (Umeyama without scale), as evo -a does
 
 RPE: from each pose to the first one at least so far along the reference's way; mean over all, percent and deg/m.
 Kidnaps are jumps of the reference that no motion explains. recovery_s: from each to the first pose from which on the
@@ -54,11 +54,11 @@ KITTI: stretches of 100 to 800 m from every tenth pose, as the development kit a
 
 void declare(CLI::App& app, Options& options) {
   explain(app, kFooter,
-          {"scanlock-evaluate poses.tum truth.tum --align se3 --html report.html",
+          {"scanlock-evaluate poses.tum truth.tum --html report.html",
            "scanlock-evaluate poses.lcmlog:SCANLOCK_LOCAL_POSE truth.tum --align yaw --json"});
   app.add_option("ESTIMATE", options.estimate, "the trajectory to judge")->required();
   app.add_option("REFERENCE", options.reference, "the trajectory to judge it by")->required();
-  app.add_option("--align", options.align, "how the estimate is laid over the reference (default: none)")
+  app.add_option("--align", options.align, "how the estimate is laid over the reference (default: se3)")
       ->check(CLI::IsMember({"none", "yaw", "se3"}));
   app.add_option("--tolerance", options.tolerance_s,
                  "seconds between two poses of one instant (default: 0.01)")
@@ -111,7 +111,7 @@ Json nees_json(const std::optional<Nees>& nees) {
   return {{"mean", nees->mean}, {"beyond_99", nees->beyond_99}, {"poses", nees->poses}, {"dof", nees->dof}};
 }
 
-Json result_json(const Comparison& comparison) {
+Json result_json(const Comparison& comparison, const std::string& align) {
   const Evaluation& e = comparison.evaluation;
   Json recovery_s = Json::array(), kidnaps = Json::array();
   for (const Kidnap& kidnap : comparison.kidnaps.kidnaps) {
@@ -133,7 +133,8 @@ Json result_json(const Comparison& comparison) {
           {"nees", nees_json(comparison.nees)},
           {"kidnaps", kidnaps},
           {"wrong_jumps", wrong ? Json(*wrong) : Json(nullptr)},
-          {"recovery_s", recovery_s}};
+          {"recovery_s", recovery_s},
+          {"align", align}};
 }
 
 void run(const Options& options) {
@@ -163,9 +164,10 @@ void run(const Options& options) {
   if (!options.picture.empty()) write_file_bytes(options.picture, trajectory_svg(comparison));
   if (!options.html.empty()) write_file_bytes(options.html, trajectory_html(comparison));
   if (options.json) {
-    print_json(result_json(comparison));
+    print_json(result_json(comparison, options.align));
     return;
   }
+  std::printf("%-20s %s\n", "laid over by", options.align.c_str());
   for (const auto& [what, value] : result_rows(comparison))
     std::printf("%-20s %s\n", what.c_str(), value.c_str());
 }

@@ -70,7 +70,7 @@ TEST_CASE("evaluate prints one JSON object with the members of the contract") {
   TemporaryFolder folder;
   write_trajectories(folder);
   const std::string files = (folder / "estimate.tum") + " " + (folder / "reference.tum");
-  const Result result = run_line(folder, "scanlock-evaluate " + files + " --json --picture " +
+  const Result result = run_line(folder, "scanlock-evaluate " + files + " --align none --json --picture " +
                                              (folder / "p.svg") + " --html " + (folder / "p.html"));
   CHECK(result.code == 0);
   CHECK(result.errors.empty());
@@ -78,9 +78,11 @@ TEST_CASE("evaluate prints one JSON object with the members of the contract") {
   for (const char* part : {"{\"poses\":201,\"matched\":201,\"length_m\":200.0,\"ate_m\":{\"rmse\":1.1",
                            "\"median\":", "\"max\":2.0", "\"rpe\":{\"1m\":{\"percent\":1.0",
                            "\"10m\":{\"percent\":", "\"100m\":{", "\"kitti\":{\"percent\":", "\"nees\":null,",
-                           "\"deg_per_m\":0.0", "\"recovery_s\":[]}"})
+                           "\"deg_per_m\":0.0", "\"recovery_s\":[]", "\"align\":\"none\"}"})
     CHECK_MESSAGE(contains(result.output, part), part, " in ", result.output);
   CHECK(std::filesystem::file_size(folder / "p.svg") > 1000);
+  const Result laid = run_line(folder, "scanlock-evaluate " + files);
+  CHECK(laid.output.substr(0, laid.output.find('\n')) == "laid over by         se3");
   CHECK(std::filesystem::file_size(folder / "p.html") > std::filesystem::file_size(folder / "p.svg"));
 }
 
