@@ -17,8 +17,8 @@ namespace scanlock {
 
 using WorkInbox = Inbox<ReceivedScan, Command>;
 
-/// The receiving thread of a live session: gives messages from LCM to the intake, and the working thread
-/// the freshest scan and all commands.
+/// The thread that receives from LCM: gives messages to the intake, and the working thread the freshest scan
+/// and all commands.
 class Receiver {
  public:
   Receiver(const DaemonConfig& config, WorkInbox& inbox, Statistics& statistics, const StopSignal& stop);
