@@ -9,39 +9,34 @@
 #include <utility>
 
 #include "geometry/elementary.hpp"
-#include "icp/cloud_covariance.hpp"
+#include "icp/cloud_outcome.hpp"
 #include "icp/cloud_selection.hpp"
+#include "icp/cloud_start.hpp"
 #include "icp/welsch.hpp"
 
 namespace scanlock {
 namespace {
 
-constexpr double kNuMaxOfMedian = 3.0;  // section 4.3
-constexpr double kNuFactor = 0.5;
 constexpr double kTolerance = 1e-5;  // of the diagonal
-constexpr std::size_t kRulePoints = 256, kApproachPoints = 512, kEvenPoints = 1024;
-constexpr double kJudgeShare = 0.33, kJudgeSpacings = 2.0, kMostlyOff = 0.5;
-constexpr double kApproachTolerance = 0.02;  // of nu
-constexpr double kApproachEnd = 0.7;         // spacings
 // Where two do not descend, more find next to nothing.
 constexpr int kLineSearchSteps = 2;
-constexpr int kFewCandidates = 3;
-constexpr std::size_t kMedianPoints = 2048;
-constexpr double kInlierSpacings = 2.0;
-constexpr double kGateMargin = 2.0;   // spacings, on top of the reach of nu, for distances within planes
-constexpr double kFirstGate = 6.0;    // median distances at the start
-constexpr double kHonestPairs = 3.0;  // median distances of the pairs
-constexpr double kFewInliers = 0.02;
+constexpr double kGateMargin = 2.0;  // spacings, on top of the reach of nu, for distances within planes
+constexpr double kFirstGate = 6.0;   // median distances at the start
+constexpr double kLeastPoints = 1024;
 
-/// How far a level is driven; tolerances are shares of its nu. Distances to points creep: stopped early, they
-/// have not arrived. Distances to planes jump there.
+/// How far a nu is driven; tolerances are shares of it. Distances to points creep: stopped early, they have
+/// not arrived. Distances to planes jump there.
 struct Effort {
   double last_tolerance, upper_tolerance;
-  double upper_share;  ///< of the points that halving at each level would give
-  std::size_t least_points;
 };
-constexpr Effort kPointEffort = {0.0003, 0.008, 1.0, 1024};
-constexpr Effort kPlaneEffort = {0.1, 0.1, 1.0, 1024};
+constexpr Effort kPointEffort = {0.0003, 0.008};
+constexpr Effort kPlaneEffort = {0.1, 0.1};
+
+Pose shift(const Eigen::Vector3d& by) {
+  Pose pose = Pose::Identity();
+  pose.translation() = by;
+  return pose;
+}
 
 class CloudAligner {
  public:
@@ -65,7 +60,7 @@ class CloudAligner {
     // Steps of plane methods are few and long, those of point methods many and short.
     const bool point = method.objective == IcpObjective::kPoint;
     setup_ = {method.objective, method.coordinates, method.robust, options.threads,
-              point ? Correspondences::kCandidates : kFewCandidates};
+              point ? Correspondences::kCandidates : CloudProblem::kFewCandidates};
     effort_ = point ? kPointEffort : kPlaneEffort;
     tolerance_ = options.tolerance > 0 ? options.tolerance : kTolerance * target.diagonal();
   }
@@ -80,7 +75,7 @@ class CloudAligner {
   double misfit(const Pose& guess) const {
     CloudProblem problem(source_.points, target_, setup_);
     const Pose pose = centred_pose(guess);
-    problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
+    problem.evaluate(problem.begin(pose, 1.0, open_gate(source_, target_, pose)));
     return problem.median_residual(kMedianPoints);
   }
 
@@ -89,42 +84,40 @@ class CloudAligner {
     return shift(-target_.centre()) * pose * shift(source_.centre);
   }
 
-  static Pose shift(const Eigen::Vector3d& by) {
-    Pose pose = Pose::Identity();
-    pose.translation() = by;
-    return pose;
-  }
-
-  /// Farther than any pair of points can be.
-  double everything(const Pose& pose) const {
-    return pose.translation().norm() + source_.diagonal + target_.diagonal() + 1e-6;
-  }
-
   /// Pairs farther apart do not count at a level. For distances to points that changes nothing: their weight
   /// is below rounding there. A plane reaches farther than the surface it stands for, so a point far away can
   /// lie on it by chance (the authors' code lets it, and slides along some scenes); the gate closes as nu
   /// does.
-  double gate(double nu, double first_nu) const {
+  double gate(double nu, double nu_max) const {
     if (method_.objective == IcpObjective::kPoint) return kWelschReach * nu;
-    return std::max(first_gate_ * nu / first_nu, 3.0 * nu + kGateMargin * target_.spacing());
+    return std::max(first_gate_ * nu / nu_max, 3.0 * nu + kGateMargin * target_.spacing());
   }
 
-  void account(const DescentResult& level) {
-    result_.iterations += level.iterations;
-    result_.sweeps += level.evaluations;
-    result_.energy = level.energy;
-    result_.stop_reason = level.converged ? "converged" : "iterations";
-  }
-
-  Pose solve_squares(const Pose& start) {
-    CloudProblem problem(source_.points, target_, setup_);
+  DescentOptions descent_options() const {
+    const bool point = method_.objective == IcpObjective::kPoint;
     DescentOptions descent;
     descent.anderson_window = method_.accelerated ? AndersonAcceleration::kMaxWindow : 0;
-    descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 1000;
-    descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : kLineSearchSteps;
+    descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations
+                             : method_.robust            ? 100
+                                                         : 1000;
+    descent.max_line_search_steps = point ? 0 : kLineSearchSteps;
+    return descent;
+  }
+
+  void account(const DescentResult& found) {
+    result_.iterations += found.iterations;
+    result_.sweeps += found.evaluations;
+    result_.energy = found.energy;
+    result_.stop_reason = found.converged ? "converged" : "iterations";
+  }
+
+  /// Problems (1) and (19): section 4.2.
+  Pose solve_squares(const Pose& start) {
+    CloudProblem problem(source_.points, target_, setup_);
+    DescentOptions descent = descent_options();
     descent.tolerance = tolerance_;
     report_progress(&descent, 0.0, 1.0);
-    account(descend(problem, problem.begin(start, 1.0, 2.0 * everything(start)), descent));
+    account(descend(problem, problem.begin(start, 1.0, open_gate(source_, target_, start)), descent));
     finish(problem);
     return problem.pose();
   }
@@ -141,59 +134,63 @@ class CloudAligner {
     };
   }
 
-  /// The first levels need few points, but equally far apart: rows and rings of a scan, dense near the
-  /// sensor, hold on to those of the other. They go by distances to points, whose basin is wide, down to a nu
-  /// where the method itself takes over. Where most of the points then still lie off the target (little
-  /// overlap, or clutter that fills the room and outweighs the surfaces), points chosen evenly over the
-  /// source have a try too, and the better one goes on.
-  Pose approach(const Pose& start) {
-    const CloudTarget coarse(spread_out(target_.points(), target_.diagonal(), 2 * kApproachPoints));
-    const PointCloud apart = spread_out(source_.points, source_.diagonal, kApproachPoints);
-    CloudProblem::Setup setup = setup_;
-    setup.objective = IcpObjective::kPoint;
-    setup.candidates = kFewCandidates;
-    CloudProblem problem(apart, coarse, setup), judge(apart, target_, setup);
-    {
-      const PointCloud few = thinned(source_.points, kRulePoints);
-      CloudProblem rule(few, target_, setup);
-      result_.nu_max = first_nu(start, &rule);
-    }
-    const Pose shifted = shift(-coarse.centre()) * start;
-    const double last_nu = kApproachEnd * coarse.spacing();
-    const Pose one =
-        shift(coarse.centre()) * descend_levels(shifted, first_nu(shifted, &problem), last_nu, &problem);
-    count_searches(problem);
-    const double nu = std::max(kJudgeShare * last_nu, kJudgeSpacings * target_.spacing());
-    const auto off = [nu](CloudProblem& of, const Pose& pose) {
-      return of.evaluate(of.begin(pose, nu, kWelschReach * nu)) / static_cast<double>(of.used());
-    };
-    const double one_off = off(judge, one);
-    if (one_off < kMostlyOff) return one;
-    const PointCloud evenly = thinned(source_.points, kEvenPoints);
-    CloudProblem second(evenly, target_, setup);
-    const Pose two = descend_levels(start, first_nu(start, &second), nu, &second);
-    const bool better = off(judge, two) + off(second, two) < one_off + off(second, one);
-    count_searches(judge);
-    count_searches(second);
-    return better ? two : one;
+  /// Problems (13) and (20): algorithms 1 and 2. The upper nu only have to bring the lower ones into their
+  /// basin: each gets half as many points as the next, and a wider tolerance.
+  Pose solve_robust(const Pose& guess) {
+    const Pose start = !options_.thorough && !(options_.nu_max > 0) ? begin_near(guess) : guess;
+    CloudProblem problem(source_.points, target_, setup_);
+    const double nu_min = result_.nu_min = choose_nu_min(), nu_max = choose_nu_max(start, &problem);
+    // What comes to rest on planes afterwards need not arrive by distances to points.
+    const double last_tolerance = keeps_better_start_ ? effort_.upper_tolerance * nu_min
+                                                      : std::min(tolerance_, effort_.last_tolerance * nu_min);
+    const double levels = 1.0 + std::max(0.0, std::ceil(log2(nu_max / nu_min)));
+    double level = 0;
+    const auto begin = [&](const Pose& pose, double nu) { return problem.begin(pose, nu, gate(nu, nu_max)); };
+    account(robust_icp(
+        problem, begin(start, nu_max), nu_max, nu_min, [&](const StateVector& x, double nu, bool last) {
+          const std::size_t n = source_.points.size();
+          const bool all = last || options_.thorough;
+          const double wanted = static_cast<double>(n) * nu_min / nu;
+          problem.use_first(all ? n : level_points(n, std::max(kLeastPoints, wanted)));
+          DescentOptions descent = descent_options();
+          descent.tolerance = all ? last_tolerance : std::max(last_tolerance, effort_.upper_tolerance * nu);
+          report_progress(&descent, level / levels, last ? 1.0 : (level + 1) / levels);
+          ++level;
+          return NuLevel{nu == nu_max ? x : begin(problem.pose(), nu), descent};
+        }));
+    if (keeps_better_start_) return rest_on_planes(guess, &problem);
+    finish(problem);
+    return problem.pose();
   }
 
-  /// Section 4.3.
-  double first_nu(const Pose& pose, CloudProblem* problem) const {
-    problem->evaluate(problem->begin(pose, 1.0, 2.0 * everything(pose)));
-    return kNuMaxOfMedian * problem->median_residual(kMedianPoints);
+  Pose begin_near(const Pose& guess) {
+    const CloudStart start = approach(source_, target_, setup_, guess);
+    result_.nu_max = start.nu_max;
+    result_.iterations += start.iterations;
+    result_.sweeps += start.sweeps;
+    result_.searches_made += start.searches_made;
+    result_.searches_saved += start.searches_saved;
+    return start.pose;
   }
 
-  Pose descend_levels(Pose pose, double nu, double last_nu, CloudProblem* problem) {
-    DescentOptions descent;
-    descent.max_iterations = 100;
-    descent.max_line_search_steps = 0;
-    for (; nu > last_nu; nu *= kNuFactor) {
-      descent.tolerance = kApproachTolerance * nu;
-      account(descend(*problem, problem->begin(pose, nu, kWelschReach * nu), descent));
-      pose = problem->pose();
+  double choose_nu_min() const {
+    if (options_.nu_min > 0) return options_.nu_min;
+    const bool point = method_.objective == IcpObjective::kPoint;
+    const double by_rule = point ? target_.point_nu_min() : target_.plane_nu_min();
+    // The normals of a thinned cloud are good to its spacing; the paper's rule for planes asks more of them.
+    return options_.voxel > 0 ? std::max(by_rule, target_.point_nu_min()) : by_rule;
+  }
+
+  double choose_nu_max(const Pose& start, CloudProblem* problem) {
+    double nu_max = options_.nu_max;
+    if (!(nu_max > 0)) {
+      problem->use_first(std::min(source_.points.size(), kMedianPoints));
+      nu_max = nu_max_at(source_, target_, start, problem);
+      first_gate_ = kFirstGate * problem->median_distance(kMedianPoints);
     }
-    return pose;
+    nu_max = std::max(nu_max, result_.nu_min);
+    if (!(result_.nu_max > 0)) result_.nu_max = nu_max;
+    return nu_max;
   }
 
   /// Distances to planes, over all points, tell how good a pose is.
@@ -209,9 +206,8 @@ class CloudAligner {
     problem->use_objective(IcpObjective::kPlane);
     const double off = problem->evaluate(begin_planes(arrived, problem));
     const bool start_is_better = problem->evaluate(begin_planes(start, problem)) < off;
-    DescentOptions descent;
+    DescentOptions descent = descent_options();
     descent.anderson_window = AndersonAcceleration::kMaxWindow;
-    descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 100;
     descent.max_line_search_steps = kLineSearchSteps;
     descent.tolerance = std::min(tolerance_, kPlaneEffort.last_tolerance * target_.point_nu_min());
     account(descend(*problem, begin_planes(start_is_better ? start : arrived, problem), descent));
@@ -220,108 +216,14 @@ class CloudAligner {
     return problem->pose();
   }
 
-  Pose solve_robust(const Pose& start) {
-    Pose pose = start;
-    if (!options_.thorough && !(options_.nu_max > 0)) pose = approach(pose);
-    CloudProblem problem(source_.points, target_, setup_);
-    const double first_nu = choose_nu(pose, &problem);
-    DescentOptions descent;
-    descent.anderson_window = method_.accelerated ? AndersonAcceleration::kMaxWindow : 0;
-    descent.max_iterations = options_.max_iterations > 0 ? options_.max_iterations : 100;
-    descent.max_line_search_steps = method_.objective == IcpObjective::kPoint ? 0 : kLineSearchSteps;
-    // What comes to rest on planes afterwards need not arrive by distances to points.
-    const double last_tolerance = keeps_better_start_
-                                      ? effort_.upper_tolerance * result_.nu_min
-                                      : std::min(tolerance_, effort_.last_tolerance * result_.nu_min);
-    const double levels = 1.0 + std::max(0.0, std::ceil(log2(first_nu / result_.nu_min)));
-    double level = 0;
-    for (double nu = first_nu; nu > result_.nu_min; nu *= kNuFactor, ++level) {
-      problem.use_first(options_.thorough ? source_.points.size() : points_for(nu));
-      descent.tolerance =
-          options_.thorough ? last_tolerance : std::max(last_tolerance, effort_.upper_tolerance * nu);
-      report_progress(&descent, level / levels, (level + 1) / levels);
-      account(descend(problem, problem.begin(pose, nu, gate(nu, first_nu)), descent));
-      pose = problem.pose();
-    }
-    problem.use_first(source_.points.size());
-    descent.tolerance = last_tolerance;
-    report_progress(&descent, level / levels, 1.0);
-    account(descend(problem, problem.begin(pose, result_.nu_min, gate(result_.nu_min, first_nu)), descent));
-    if (keeps_better_start_) return rest_on_planes(start, &problem);
-    finish(problem);
-    return problem.pose();
-  }
-
-  /// The upper levels only have to bring the lower ones into their basin: each gets half as many points as
-  /// the next.
-  std::size_t points_for(double nu) const {
-    const double wanted =
-        std::max(static_cast<double>(effort_.least_points),
-                 effort_.upper_share * static_cast<double>(source_.points.size()) * result_.nu_min / nu);
-    std::size_t stride = 1;
-    while (static_cast<double>(source_.points.size()) / static_cast<double>(2 * stride) >= wanted)
-      stride *= 2;
-    return (source_.points.size() + stride - 1) / stride;
-  }
-
-  /// Returns the first nu of the method's own levels.
-  double choose_nu(const Pose& pose, CloudProblem* problem) {
-    const bool point = method_.objective == IcpObjective::kPoint;
-    result_.nu_min = options_.nu_min > 0 ? options_.nu_min
-                     : point             ? target_.point_nu_min()
-                                         : target_.plane_nu_min();
-    // The normals of a thinned cloud are good to its spacing; the paper's rule for planes asks more of them.
-    if (options_.voxel > 0 && !(options_.nu_min > 0))
-      result_.nu_min = std::max(result_.nu_min, target_.point_nu_min());
-    double first_nu = options_.nu_max;
-    if (!(first_nu > 0)) {
-      problem->use_first(std::min(source_.points.size(), kMedianPoints));
-      problem->evaluate(problem->begin(pose, 1.0, 2.0 * everything(pose)));
-      first_gate_ = kFirstGate * problem->median_distance(kMedianPoints);
-      first_nu = kNuMaxOfMedian * problem->median_residual(kMedianPoints);
-    }
-    first_nu = std::max(first_nu, result_.nu_min);
-    if (!(result_.nu_max > 0)) result_.nu_max = first_nu;
-    return first_nu;
-  }
-
-  void count_searches(const CloudProblem& problem) {
+  void finish(const CloudProblem& problem) {
     result_.searches_made += problem.correspondences().searches_made();
     result_.searches_saved += problem.correspondences().searches_saved();
-  }
-
-  /// What the scene leaves open at a pose. The last level knows only pairs within its small reach, and of a
-  /// scan most of those are near the sensor: this asks points that are equally far apart, of any distance.
-  std::uint32_t open_axes(const Pose& pose) const {
-    const PointCloud apart = spread_out(source_.points, source_.diagonal, kEvenPoints);
-    CloudProblem::Setup setup = setup_;
-    setup.objective = IcpObjective::kPoint;
-    setup.robust = false;
-    CloudProblem problem(apart, target_, setup);
-    problem.evaluate(problem.begin(pose, 1.0, 2.0 * everything(pose)));
-    const double honest = kHonestPairs * problem.median_distance(apart.size());
-    return alignment_certainty(apart, target_, problem, honest, 0.0, source_.centre).degeneracy.axes;
-  }
-
-  /// What the last state says about the result.
-  void finish(const CloudProblem& problem) {
-    count_searches(problem);
-    const double gate = kInlierSpacings * std::max(target_.spacing(), 3.0 * result_.nu_min);
-    std::size_t inliers = 0;
-    for (std::size_t i = 0; i < source_.points.size(); ++i)
-      inliers += problem.squared_distance(i) <= gate * gate ? 1 : 0;
-    result_.inlier_ratio = static_cast<double>(inliers) / static_cast<double>(source_.points.size());
-    // Rings and rows make the spacing much smaller than the distance of honest pairs: those are asked, too.
-    const double honest = std::max(gate, kHonestPairs * problem.median_distance(source_.points.size()));
-    // Distances to points use planes less well than distances to planes: as if nu were below the noise.
-    const double planes_nu = method_.robust ? result_.nu_min : 0.0;
-    const AlignmentCertainty certainty =
-        alignment_certainty(source_.points, target_, problem, honest, planes_nu, source_.centre);
-    result_.covariance = certainty.covariance;
-    result_.degenerate_axes = certainty.degeneracy.axes;
-    if (result_.degenerate_axes != 0) result_.degenerate_axes = open_axes(problem.pose());
-    if (result_.degenerate_axes != 0 || result_.inlier_ratio < kFewInliers)
-      result_.stop_reason = "degenerate";
+    const CloudOutcome outcome = outcome_of(source_, target_, problem, setup_, result_.nu_min);
+    result_.inlier_ratio = outcome.inlier_ratio;
+    result_.covariance = outcome.covariance;
+    result_.degenerate_axes = outcome.degenerate_axes;
+    if (outcome.degenerate) result_.stop_reason = "degenerate";
   }
 
   const CloudTarget& target_;

@@ -212,4 +212,8 @@ Pose CloudProblem::plane_step() const {
   return renormalised(se3_exp(step) * pose_);
 }
 
+double open_gate(const CentredCloud& source, const CloudTarget& target, const Pose& pose) {
+  return 2.0 * (pose.translation().norm() + source.diagonal + target.diagonal() + 1e-6);
+}
+
 }  // namespace scanlock

@@ -9,7 +9,7 @@
 #include "geometry/rigid_fit.hpp"
 #include "icp/cloud_target.hpp"
 #include "icp/correspondences.hpp"
-#include "icp/descent.hpp"
+#include "icp/robust_icp.hpp"
 
 namespace scanlock {
 
@@ -30,6 +30,8 @@ class CloudProblem final : public DescentProblem {
     int threads = 1;
     int candidates = Correspondences::kCandidates;  ///< as in Correspondences::reset()
   };
+  /// `candidates` where steps are few and long: with distances to planes.
+  static constexpr int kFewCandidates = 3;
   /// Source (with normals for the symmetric objective) and target must outlive this object.
   CloudProblem(const PointCloud& source, const CloudTarget& target, const Setup& setup);
 
@@ -105,5 +107,8 @@ class CloudProblem final : public DescentProblem {
   Motion motion_{Eigen::Matrix3f::Identity(), Eigen::Vector3f::Zero()};  ///< pose_
   Sums sums_;
 };
+
+/// A gate that no pair of points is beyond at a pose between the centred frames, metres.
+double open_gate(const CentredCloud& source, const CloudTarget& target, const Pose& pose);
 
 }  // namespace scanlock

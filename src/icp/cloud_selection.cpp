@@ -40,6 +40,12 @@ PointCloud in_level_order(const PointCloud& points) {
   return select(points, indices);
 }
 
+std::size_t level_points(std::size_t n, double wanted) {
+  std::size_t stride = 1;
+  while (static_cast<double>(n) / static_cast<double>(2 * stride) >= wanted) stride *= 2;
+  return (n + stride - 1) / stride;
+}
+
 PointCloud spread_out(const PointCloud& points, double diagonal, std::size_t count) {
   PointCloud result = thinned(points, kSpreadFrom);
   result.nx.clear();

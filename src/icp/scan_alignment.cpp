@@ -26,36 +26,33 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
                                  const MotionPrior& prior, const ScanAlignmentOptions& options) {
   ScanProblem& work = *problem_;
   work.begin(source, target, prior, options);
-  StateVector x = StateVector::Zero(work.unknowns());
+  const StateVector start = StateVector::Zero(work.unknowns());
   work.nu = options.nu_max;
-  work.evaluate(x);
+  work.evaluate(start);
   // Section 5: the first scale is three times the median residual at the start. Where most points lie on the
   // ground, which fits anyhow, that says nothing of how far the others are off: nu_first does.
-  work.nu = std::clamp(std::max(3.0 * work.median_absolute_residual(), options.nu_first), options.nu_min,
-                       options.nu_max);
+  const double nu_max = std::clamp(std::max(3.0 * work.median_absolute_residual(), options.nu_first),
+                                   options.nu_min, options.nu_max);
+  const DescentResult found =
+      robust_icp(work, start, nu_max, options.nu_min, [&](const StateVector& x, double nu, bool last) {
+        work.nu = nu;
+        DescentOptions descent;
+        descent.anderson_window = options.anderson_window;
+        // The upper scales only have to bring the lower ones into their basin.
+        descent.max_iterations = last ? options.max_iterations : std::max(options.max_iterations / 3, 1);
+        descent.tolerance = last ? options.tolerance : std::max(options.tolerance, 0.1 * nu);
+        return NuLevel{x, descent};
+      });
 
   ScanAlignment result;
-  result.evaluations = 1;
-  DescentOptions descent;
-  descent.anderson_window = options.anderson_window;
-  while (true) {
-    const bool last = work.nu <= options.nu_min;
-    // The upper scales only have to bring the lower ones into their basin.
-    descent.max_iterations = last ? options.max_iterations : std::max(options.max_iterations / 3, 1);
-    descent.tolerance = last ? options.tolerance : std::max(options.tolerance, 0.1 * work.nu);
-    const DescentResult level = descend(work, x, descent);
-    x = level.x;
-    result.iterations += level.iterations;
-    result.evaluations += level.evaluations;
-    result.converged = level.converged;
-    if (last) break;
-    work.nu = std::max(0.5 * work.nu, options.nu_min);
-  }
+  result.iterations = found.iterations;
+  result.evaluations = 1 + found.evaluations;
+  result.converged = found.converged;
   work.tell(&result);
   result.noise = work.noise();
   result.curvature = work.curvature();
   result.sweep_s = work.motion.still() ? 0.0 : work.duration;
-  result.moving = work.moving(x);
+  result.moving = work.moving(found.x);
   result.matched = work.matched;
   result.median_residual = work.median_absolute_residual();
   result.searches_made = work.correspondences.searches_made();

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "icp/correspondences.hpp"
-#include "icp/descent.hpp"
+#include "icp/robust_icp.hpp"
 #include "icp/scan_alignment.hpp"
 #include "icp/scan_motion.hpp"
 

@@ -1,6 +1,11 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "icp/descent.hpp"
+//
+// Algorithms 1 (point-to-point) and 2 (point-to-plane) of Fast and Robust Iterative Closest Point, Zhang, Yao
+// and Deng. A comment "1: 14, 2: 21" names the printed lines; README.md says what differs and why.
+#include "icp/robust_icp.hpp"
+
+#include <algorithm>
 
 namespace scanlock {
 namespace {
@@ -9,14 +14,35 @@ constexpr double kNoiseFloor = 5.0;  // tolerances
 
 }  // namespace
 
+DescentResult robust_icp(DescentProblem& problem, const StateVector& start, double nu_max, double nu_min,
+                         const BeginNu& begin) {
+  DescentResult result;
+  result.x = start;
+  double nu = nu_max;  // 1: 1, 2: 1
+  while (true) {       // 1: 2, 2: 2
+    const bool last = nu <= nu_min;
+    const NuLevel level = begin(result.x, nu, last);
+    const DescentResult found = descend(problem, level.start, level.descent);  // 1: 3-25, 2: 3-29
+    result.x = found.x;
+    result.energy = found.energy;
+    result.converged = found.converged;
+    result.iterations += found.iterations;
+    result.evaluations += found.evaluations;
+    result.rejected += found.rejected;
+    if (last) return result;          // 1: 26, 2: 30
+    nu = std::max(0.5 * nu, nu_min);  // 1: 27, 2: 31
+  }
+}
+
 DescentResult descend(DescentProblem& problem, const StateVector& start, const DescentOptions& options) {
   DescentResult result;
   result.x = start;
-  result.energy = problem.evaluate(start);
+  result.energy = problem.evaluate(start);  // 1: 1, 3, 2: 3; the print has E_prev = infinity, see README.md
   result.evaluations = 1;
   AndersonAcceleration anderson(options.anderson_window);
 
   while (true) {
+    // Alignment step and convergence. 1: 4, 14-15, 2: 3, 21-22
     const StateVector image = problem.image();
     if (!image.allFinite()) return result;
     const double step_length = problem.distance(result.x, image);
@@ -25,12 +51,15 @@ DescentResult descend(DescentProblem& problem, const StateVector& start, const D
       result.converged = true;
       return result;
     }
-    if (result.iterations >= options.max_iterations) return result;
+    if (result.iterations >= options.max_iterations) return result;  // 1: 7, 2: 5
 
+    // Anderson acceleration; without a history the image itself. 1: 5-6, 17-23, 2: 4, 24-27
     StateVector trial = anderson.next(result.x, image);
     const bool accelerated = trial != image;
-    double energy = problem.evaluate(trial);
+    double energy = problem.evaluate(trial);  // 1: 9, 2: 7
     ++result.evaluations;
+
+    // Ensure that the step decreases the energy. 1: 9-11, 2: 8-12 with tau = 1
     if (accelerated && !(energy < result.energy)) {
       ++result.rejected;
       anderson.reset();
@@ -38,8 +67,8 @@ DescentResult descend(DescentProblem& problem, const StateVector& start, const D
       energy = problem.evaluate(trial);
       ++result.evaluations;
     }
-    // A step of a few tolerances that does not descend has met the noise floor: correspondences flip back and
-    // forth there.
+    // 2: 9-18. A step of a few tolerances that does not descend has met the noise floor: correspondences flip
+    // back and forth there.
     const bool worth_searching = step_length > kNoiseFloor * options.tolerance;
     const int line_search_steps = worth_searching ? options.max_line_search_steps : 0;
     double length = 1.0;
@@ -55,7 +84,7 @@ DescentResult descend(DescentProblem& problem, const StateVector& start, const D
       result.converged = true;
       return result;
     }
-    result.x = trial;
+    result.x = trial;  // 1: 12, 24, 2: 19, 28
     result.energy = energy;
     ++result.iterations;
   }

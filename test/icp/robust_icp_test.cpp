@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "icp/descent.hpp"
+#include "icp/robust_icp.hpp"
 
 #include <doctest/doctest.h>
 
