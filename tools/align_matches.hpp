@@ -19,7 +19,7 @@
 #include "geometry/angles.hpp"
 #include "global/cpu_clock.hpp"
 #include "global/match_ransac.hpp"
-#include "global/match_registration.hpp"
+#include "global/max_consensus.hpp"
 #include "io/match_file.hpp"
 #include "io/progress_bar.hpp"
 

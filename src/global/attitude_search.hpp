@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "global/match_registration.hpp"
+#include "global/max_consensus.hpp"
 
 namespace scanlock {
 

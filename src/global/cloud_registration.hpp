@@ -11,7 +11,7 @@
 
 #include "global/cloud_check.hpp"
 #include "global/cloud_description.hpp"
-#include "global/match_registration.hpp"
+#include "global/max_consensus.hpp"
 
 namespace scanlock {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "geometry/elementary.hpp"
-#include "global/angle_stabbing.hpp"
+#include "global/bounds/angle_stabbing.hpp"
 
 namespace scanlock {
 namespace {

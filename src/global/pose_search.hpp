@@ -2,43 +2,77 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <chrono>
-#include <cstddef>
-#include <functional>
-#include <limits>
+#include <algorithm>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
-#include "global/matches.hpp"
-#include "global/pose_box.hpp"
+#include "geometry/angles.hpp"
+#include "global/bounds/box_filter.hpp"
+#include "global/bounds/conflicts.hpp"
+#include "global/bounds/sector_voting.hpp"
+#include "global/branch_and_bound.hpp"
+#include "global/search_answer.hpp"
+#include "global/search_nodes.hpp"
 
 namespace scanlock {
 
-/// What ends a search early.
-struct SearchLimits {
-  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
-  std::size_t nodes = std::numeric_limits<std::size_t>::max();
-  std::size_t work = std::numeric_limits<std::size_t>::max();  ///< matches looked at
-  std::size_t list_entries = 100'000'000;                      ///< match indices in open nodes, 4 bytes each
-  std::function<void(int consensus, int upper_bound)> progress;  ///< called now and then, unless empty
+/// The search of branch_and_bound.hpp. Its loop is in branch_and_bound.cpp; how its nodes are divided and
+/// bounded, in node_division.cpp; how it finds poses to begin with, in greedy_descent.cpp.
+class PoseSearch {
+ public:
+  PoseSearch(const LevelMatches& matches, Incumbent& best, const SearchLimits& limits,
+             const std::optional<ExcludedPoses>& excluded, bool pruning)
+      : m_(matches),
+        answer_(matches, best, excluded, pruning),
+        limits_(limits),
+        excluded_(excluded),
+        pruning_(pruning),
+        filter_(matches),
+        conflicts_(matches),
+        voting_(matches) {}
+
+  SearchResult run();
+  std::vector<std::uint32_t> kept() const { return answer_.kept(); }
+
+ private:
+  static constexpr int kSlabSectors = 8;
+  int wanted() const { return answer_.wanted(); }
+  bool out_of_budget() const;
+
+  // node_division.cpp
+  void measure();
+  void open_slabs();
+  int pieces(double cell, std::size_t matches) const;
+  void divide_slab(const Node& node);
+  void push_sector(const PoseBox& slab, double theta, double half_theta, double cell);
+  void divide_sector(const Node& node);
+  void divide_box(Node& node);
+  void push_box(const PoseBox& box, const std::vector<std::uint32_t>& matches, const Node& origin);
+  void look_for_conflicts(Node& node);
+  bool matters(const PoseBox& box, double lever) const;
+  double slab_cell() const { return std::max(2 * kPi / kSlabSectors * lever_, voting_.smallest_cell()); }
+
+  // greedy_descent.cpp
+  void seed();
+  void descend(const Sector& sector, int bound);
+  void descend(const VotedCell& cell);
+  void offer(const LevelPose& pose, int consensus, const std::vector<std::uint32_t>& held);
+
+  const LevelMatches& m_;
+  SearchAnswer answer_;
+  const SearchLimits& limits_;
+  const std::optional<ExcludedPoses>& excluded_;
+  const bool pruning_;
+  BoxFilter filter_;
+  Conflicts conflicts_;
+  SectorVoting voting_;
+  SearchNodes open_;
+  std::vector<std::uint32_t> scratch_[2];
+  std::vector<VotedCell> cells_;
+  SearchResult result_;
+  std::size_t descents_ = 0;
+  double lever_ = 0, spread_ = 0;  // metres: of p from the axis, and the width of the translations
 };
-
-struct SearchResult {
-  int upper_bound = 0;  ///< no pose (but excluded ones) holds more matches
-  bool finished = false;
-  std::size_t nodes = 0, work = 0;
-};
-
-/// Best-first branch and bound over levelled poses (Algorithm 2, over all four axes): slabs of height, their
-/// sectors of angle bounded by votes, then boxes, whose match lists are inherited from box to box. Raises the
-/// incumbent. Finished, upper_bound == best.consensus.
-SearchResult search_poses(const LevelMatches& matches, Incumbent& best, const SearchLimits& limits = {},
-                          const std::optional<ExcludedPoses>& excluded = std::nullopt);
-
-/// Fast match pruning (the rule of Algorithm 3, with bounds shared by boxes of poses instead of one by one):
-/// drops a match only when each box of poses that can hold it has a bound strictly below the incumbent's
-/// consensus; so every pose of largest consensus keeps all its inliers (Lemma 2). Raises the incumbent on its
-/// way. `kept` is ascending. Not finished, all matches are kept.
-SearchResult prune_matches(const LevelMatches& matches, Incumbent& best, std::vector<std::uint32_t>& kept,
-                           const SearchLimits& limits = {});
 
 }  // namespace scanlock

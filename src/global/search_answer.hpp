@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "global/bounds/pose_box.hpp"
 #include "global/matches.hpp"
-#include "global/pose_box.hpp"
 
 namespace scanlock {
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "global/pose_box.hpp"
+#include "global/bounds/pose_box.hpp"
 
 namespace scanlock {
 

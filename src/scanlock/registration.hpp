@@ -5,6 +5,6 @@
 #pragma once
 
 #include "global/cloud_registration.hpp"
-#include "global/match_registration.hpp"
+#include "global/max_consensus.hpp"
 #include "scanlock/cloud.hpp"
 #include "scanlock/pose.hpp"

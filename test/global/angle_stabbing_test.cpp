@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "global/angle_stabbing.hpp"
+#include "global/bounds/angle_stabbing.hpp"
 
 #include <doctest/doctest.h>
 

@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "global/match_registration.hpp"
+#include "global/max_consensus.hpp"
 #include "match_samples.hpp"
 
 namespace scanlock {

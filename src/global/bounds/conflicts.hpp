@@ -21,7 +21,7 @@ class Conflicts {
   /// Whether it is proven that no pose holds all of `list` but `drops` (or fewer): a pose misses a match of
   /// each conflict, so each match of a small one is left out in turn. Gives up where so many iterations of
   /// weights show neither a conflict nor a pose. Poses found on the way raise the incumbent.
-  bool hopeless(const std::vector<std::uint32_t>& list, int drops, int iterations, Incumbent& best);
+  bool infeasible(const std::vector<std::uint32_t>& list, int drops, int iterations, Incumbent& best);
 
  private:
   enum class Verdict { kConflict, kPose, kUndecided };
@@ -33,7 +33,7 @@ class Conflicts {
   Verdict weigh(Weighted& set, int iterations, Incumbent& best);
   void touch(const Weighted& set, LevelPose& pose) const;
   std::size_t small_conflict(Weighted& set);
-  bool hopeless(Weighted set, int drops, int iterations, Incumbent& best);
+  bool infeasible(Weighted set, int drops, int iterations, Incumbent& best);
 
   const LevelMatches& m_;
   std::vector<double> fit_weights_, squares_;

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "global/pose_box.hpp"
+#include "global/bounds/pose_box.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "global/bounds/pose_box.hpp"
+#include "global/bounds/vote_table.hpp"
 #include "global/matches.hpp"
-#include "global/pose_box.hpp"
-#include "global/vote_table.hpp"
 
 namespace scanlock {
 

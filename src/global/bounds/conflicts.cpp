@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "global/conflicts.hpp"
+#include "global/bounds/conflicts.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -114,7 +114,7 @@ std::size_t Conflicts::small_conflict(Weighted& set) {
   return 0;
 }
 
-bool Conflicts::hopeless(Weighted set, int drops, int iterations, Incumbent& best) {
+bool Conflicts::infeasible(Weighted set, int drops, int iterations, Incumbent& best) {
   if (weigh(set, iterations, best) != Verdict::kConflict) return false;
   if (drops == 0) return true;
   const std::size_t size = small_conflict(set);
@@ -126,14 +126,15 @@ bool Conflicts::hopeless(Weighted set, int drops, int iterations, Incumbent& bes
     const double floor =
         0.2 / static_cast<double>(rest.weights.size());  // what now decides may have lost its weight
     for (double& w : rest.weights) w = std::max(w, floor);
-    if (!hopeless(std::move(rest), drops - 1, iterations, best)) return false;
+    if (!infeasible(std::move(rest), drops - 1, iterations, best)) return false;
   }
   return true;
 }
 
-bool Conflicts::hopeless(const std::vector<std::uint32_t>& list, int drops, int iterations, Incumbent& best) {
+bool Conflicts::infeasible(const std::vector<std::uint32_t>& list, int drops, int iterations,
+                           Incumbent& best) {
   if (list.empty()) return false;
-  return hopeless({list, std::vector<double>(list.size(), 1.0)}, drops, iterations, best);
+  return infeasible({list, std::vector<double>(list.size(), 1.0)}, drops, iterations, best);
 }
 
 }  // namespace scanlock

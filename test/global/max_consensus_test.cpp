@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "global/match_registration.hpp"
+#include "global/max_consensus.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "global/sector_voting.hpp"
+#include "global/bounds/sector_voting.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "../trials.hpp"
-#include "global/match_registration.hpp"
+#include "global/max_consensus.hpp"
 #include "judge.hpp"
 #include "match_samples.hpp"
 

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "global/box_filter.hpp"
+#include "global/bounds/box_filter.hpp"
 
 #include <algorithm>
 #include <array>
