@@ -35,59 +35,66 @@ DescentResult robust_icp(DescentProblem& problem, const StateVector& start, doub
 }
 
 DescentResult descend(DescentProblem& problem, const StateVector& start, const DescentOptions& options) {
-  DescentResult result;
-  result.x = start;
-  result.energy = problem.evaluate(start);  // 1: 1, 3, 2: 3; the print has E_prev = infinity, see README.md
-  result.evaluations = 1;
+  DescentResult best;
+  best.x = start;
+  best.energy = problem.evaluate(start);  // 1: 1, 3, 2: 3; the print has E_prev = infinity, see README.md
+  best.evaluations = 1;
+  StateVector x = start;
+  double energy = best.energy;
+  int not_better = 0;
   AndersonAcceleration anderson(options.anderson_window);
 
   while (true) {
     // Alignment step and convergence. 1: 4, 14-15, 2: 3, 21-22
     const StateVector image = problem.image();
-    if (!image.allFinite()) return result;
-    const double step_length = problem.distance(result.x, image);
+    if (!image.allFinite()) break;
+    const double step_length = problem.distance(x, image);
     if (options.step_length) options.step_length(step_length);
-    if (step_length < options.tolerance) {
-      result.converged = true;
-      return result;
-    }
-    if (result.iterations >= options.max_iterations) return result;  // 1: 7, 2: 5
+    best.converged = step_length < options.tolerance;
+    if (best.converged || best.iterations >= options.max_iterations) break;  // 1: 7, 2: 5
 
     // Anderson acceleration; without a history the image itself. 1: 5-6, 17-23, 2: 4, 24-27
-    StateVector trial = anderson.next(result.x, image);
+    StateVector trial = anderson.next(x, image);
     const bool accelerated = trial != image;
-    double energy = problem.evaluate(trial);  // 1: 9, 2: 7
-    ++result.evaluations;
+    double reached = problem.evaluate(trial);  // 1: 9, 2: 7
+    ++best.evaluations;
 
     // Ensure that the step decreases the energy. 1: 9-11, 2: 8-12 with tau = 1
-    if (accelerated && !(energy < result.energy)) {
-      ++result.rejected;
+    if (accelerated && !(reached < energy)) {
+      ++best.rejected;
       anderson.reset();
       trial = image;
-      energy = problem.evaluate(trial);
-      ++result.evaluations;
+      reached = problem.evaluate(trial);
+      ++best.evaluations;
     }
     // 2: 9-18. A step of a few tolerances that does not descend has met the noise floor: correspondences flip
     // back and forth there.
     const bool worth_searching = step_length > kNoiseFloor * options.tolerance;
     const int line_search_steps = worth_searching ? options.max_line_search_steps : 0;
     double length = 1.0;
-    for (int step = 0; step < line_search_steps && !(energy < result.energy); ++step) {
+    for (int step = 0; step < line_search_steps && !(reached < energy); ++step) {
       length *= 0.5;
-      trial = result.x + length * (image - result.x);
-      energy = problem.evaluate(trial);
-      ++result.evaluations;
+      trial = x + length * (image - x);
+      reached = problem.evaluate(trial);
+      ++best.evaluations;
     }
-    if (!(energy < result.energy)) {
-      problem.evaluate(result.x);  // leave the problem at the state that is returned
-      ++result.evaluations;
-      result.converged = true;
-      return result;
+    x = trial;  // 1: 12, 24, 2: 19, 28
+    energy = reached;
+    ++best.iterations;
+    if (energy < best.energy) {
+      best.x = x;
+      best.energy = energy;
+      not_better = 0;
+    } else if (++not_better == options.patience) {
+      best.converged = true;
+      break;
     }
-    result.x = trial;  // 1: 12, 24, 2: 19, 28
-    result.energy = energy;
-    ++result.iterations;
   }
+  if (x != best.x) {
+    problem.evaluate(best.x);
+    ++best.evaluations;
+  }
+  return best;
 }
 
 }  // namespace scanlock

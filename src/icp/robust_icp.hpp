@@ -25,7 +25,8 @@ class DescentProblem {
 struct DescentOptions {
   int anderson_window = 5;                  ///< m
   int max_iterations = 100;                 ///< I_nu
-  int max_line_search_steps = 4;            ///< l_max; 0 where the image is known to descend (algorithm 1)
+  int max_line_search_steps = 4;            ///< l_max; 0: none (algorithm 1)
+  int patience = 1;                         ///< steps in a row without a lower energy that end it
   double tolerance = 1e-5;                  ///< epsilon_nu: stop when |G(x) - x| is below
   std::function<void(double)> step_length;  ///< told |G(x) - x| at each iterate, if set
 };
@@ -33,17 +34,18 @@ struct DescentOptions {
 struct DescentResult {
   StateVector x;
   double energy = 0;
-  int iterations = 0;   ///< accepted steps
+  int iterations = 0;   ///< steps taken
   int evaluations = 0;  ///< energies computed, each a sweep over the source
   int rejected = 0;     ///< accelerated steps that did not descend
   bool converged = false;
 };
 
-/// The inner loop of algorithms 1 and 2, at one nu: Anderson acceleration, each step checked to descend. An
-/// accelerated step that does not is replaced by the plain one; where even that one does not (Gauss-Newton
-/// overshoots), a line search shortens it; when no length descends, x is a minimum to within rounding and the
-/// loop ends. The energy never rises, and the problem is left at the state that is returned. With a problem
-/// of squares this is section 4.2, Fast ICP.
+/// The inner loop of algorithms 1 and 2, at one nu: Anderson acceleration; an accelerated step that does not
+/// descend is replaced by the plain one, and one by Gauss-Newton that overshoots is shortened by a line
+/// search. Points that change their correspondences can raise the energy on the way to a lower one, so that,
+/// as in the print, the iteration may go on from a step that does not descend; it ends when `patience` of
+/// them in a row have found no lower energy. What is returned is the state of the least energy, and the
+/// problem is left there. With a problem of squares this is section 4.2, Fast ICP.
 DescentResult descend(DescentProblem& problem, const StateVector& start, const DescentOptions& options);
 
 /// What one nu of the graduation starts from, and how far it is driven.

@@ -38,6 +38,10 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
         work.nu = nu;
         DescentOptions descent;
         descent.anderson_window = options.anderson_window;
+        // A line search would end where the points of a scan that is bent by a wrong velocity change their
+        // correspondences; that velocity would feed the next prediction.
+        descent.max_line_search_steps = 0;
+        descent.patience = 3;
         // The upper scales only have to bring the lower ones into their basin.
         descent.max_iterations = last ? options.max_iterations : std::max(options.max_iterations / 3, 1);
         descent.tolerance = last ? options.tolerance : std::max(options.tolerance, 0.1 * nu);

@@ -53,7 +53,7 @@ TEST_CASE("acceleration reaches the minimum in far fewer sweeps") {
   CHECK(4 * quick.evaluations < slow.evaluations);
 }
 
-TEST_CASE("the energy of the accepted states never rises") {
+TEST_CASE("the energy of the state that is returned never rises with more iterations") {
   for (const double rate : {1e-3, 3e-3, 1e-2}) {  // the last two overshoot
     double last = INFINITY;
     for (int most = 0; most < 40; ++most) {
@@ -66,6 +66,31 @@ TEST_CASE("the energy of the accepted states never rises") {
       CHECK(result.evaluations == static_cast<int>(valley.energies.size()));
       last = result.energy;
     }
+  }
+}
+
+TEST_CASE("a step that raises the energy is gone on from, as far as patience goes") {
+  // On the way down, as where points change their correspondences, one state has more energy than the start.
+  struct Ridge final : DescentProblem {
+    double x = 0;
+    double evaluate(const StateVector& at) override {
+      x = at[0];
+      return std::abs(x) + (x == 3 ? 2 : 0);
+    }
+    StateVector image() override { return StateVector::Constant(1, std::max(x - 1, 0.0)); }
+    double distance(const StateVector& a, const StateVector& b) const override { return (a - b).norm(); }
+  };
+  DescentOptions options;
+  options.anderson_window = 0;
+  options.max_line_search_steps = 0;
+  for (const int patience : {1, 2}) {
+    options.patience = patience;
+    Ridge ridge;
+    const DescentResult result = descend(ridge, StateVector::Constant(1, 4.0), options);
+    CHECK(result.converged);
+    CHECK(result.x[0] == (patience == 1 ? 4 : 0));
+    CHECK(ridge.x == result.x[0]);
+    CHECK(result.energy == result.x[0]);
   }
 }
 
