@@ -32,12 +32,6 @@ struct Effort {
 constexpr Effort kPointEffort = {0.0003, 0.008};
 constexpr Effort kPlaneEffort = {0.1, 0.1};
 
-Pose shift(const Eigen::Vector3d& by) {
-  Pose pose = Pose::Identity();
-  pose.translation() = by;
-  return pose;
-}
-
 class CloudAligner {
  public:
   CloudAligner(const PointCloud& source, const CloudTarget& target, const CloudMethod& method,
@@ -68,7 +62,8 @@ class CloudAligner {
   CloudAlignment run(const Pose& start) {
     Pose pose = centred_pose(start);
     pose = method_.robust ? solve_robust(pose) : solve_squares(pose);
-    result_.target_from_source = renormalised(shift(target_.centre()) * pose * shift(-source_.centre));
+    result_.target_from_source =
+        renormalised(translation_by(target_.centre()) * pose * translation_by(-source_.centre));
     return result_;
   }
 
@@ -81,7 +76,7 @@ class CloudAligner {
 
  private:
   Pose centred_pose(const Pose& pose) const {
-    return shift(-target_.centre()) * pose * shift(source_.centre);
+    return translation_by(-target_.centre()) * pose * translation_by(source_.centre);
   }
 
   /// Pairs farther apart do not count at a level. For distances to points that changes nothing: their weight

@@ -13,13 +13,13 @@ namespace {
 constexpr double kInlierSpacings = 2.0;
 constexpr double kPairGate = 3.0;  // median distances of the pairs
 constexpr double kFewInliers = 0.02;
-constexpr std::size_t kEvenPoints = 1024;
+constexpr std::size_t kOpenAxesPoints = 1024;
 
 /// What the scene leaves open at a pose. The last nu knows only pairs within its small reach, and of a scan
 /// most of those are near the sensor: this asks points that are equally far apart, of any distance.
 std::uint32_t open_axes(const CentredCloud& source, const CloudTarget& target, CloudProblem::Setup setup,
                         const Pose& pose) {
-  const PointCloud apart = spread_out(source.points, source.diagonal, kEvenPoints);
+  const PointCloud apart = spread_out(source.points, source.diagonal, kOpenAxesPoints);
   setup.objective = IcpObjective::kPoint;
   setup.robust = false;
   CloudProblem problem(apart, target, setup);

@@ -212,6 +212,12 @@ Pose CloudProblem::plane_step() const {
   return renormalised(se3_exp(step) * pose_);
 }
 
+Pose translation_by(const Eigen::Vector3d& metres) {
+  Pose pose = Pose::Identity();
+  pose.translation() = metres;
+  return pose;
+}
+
 double open_gate(const CentredCloud& source, const CloudTarget& target, const Pose& pose) {
   return 2.0 * (pose.translation().norm() + source.diagonal + target.diagonal() + 1e-6);
 }

@@ -108,6 +108,9 @@ class CloudProblem final : public DescentProblem {
   Sums sums_;
 };
 
+/// A motion without a rotation.
+Pose translation_by(const Eigen::Vector3d& metres);
+
 /// A gate that no pair of points is beyond at a pose between the centred frames, metres.
 double open_gate(const CentredCloud& source, const CloudTarget& target, const Pose& pose);
 

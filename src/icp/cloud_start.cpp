@@ -16,12 +16,6 @@ constexpr double kApproachTolerance = 0.02;  // of nu
 constexpr double kApproachEnd = 0.7;         // spacings
 constexpr double kOffShare = 0.33, kOffSpacings = 2.0, kMostlyOff = 0.5;
 
-Pose shift(const Eigen::Vector3d& by) {
-  Pose pose = Pose::Identity();
-  pose.translation() = by;
-  return pose;
-}
-
 void count_searches(const CloudProblem& problem, CloudStart* start) {
   start->searches_made += problem.correspondences().searches_made();
   start->searches_saved += problem.correspondences().searches_saved();
@@ -73,10 +67,10 @@ CloudStart approach(const CentredCloud& source, const CloudTarget& target, Cloud
     CloudProblem rule(few, target, setup);
     start.nu_max = nu_max_at(source, target, guess, &rule);
   }
-  const Pose shifted = shift(-coarse.centre()) * guess;
+  const Pose shifted = translation_by(-coarse.centre()) * guess;
   const double end = kApproachEnd * coarse.spacing();
   const double nu_max = nu_max_at(source, target, shifted, &problem);
-  const Pose one = shift(coarse.centre()) * graduate(shifted, nu_max, end, &problem, &start);
+  const Pose one = translation_by(coarse.centre()) * graduate(shifted, nu_max, end, &problem, &start);
   count_searches(problem, &start);
   const double nu = std::max(kOffShare * end, kOffSpacings * target.spacing());
   const double one_off = off_target(&whole, one, nu);

@@ -161,6 +161,11 @@ TEST_CASE("nu follows the rules of the paper, and can be fixed") {
   const CloudAlignment by_rule = align(source, target, "robust-icp");
   CHECK(by_rule.nu_max == doctest::Approx(3 * 0.04).epsilon(1e-3));
   CHECK(by_rule.nu_min == doctest::Approx(target.point_nu_min()));
+  PointCloud aside = grid;
+  for (float& x : aside.x) x += 0.02f;
+  const CloudAlignment planes = align(aside, target, "robust-icp-plane");
+  CHECK(planes.nu_max == doctest::Approx(3 * 0.02).epsilon(1e-3));  // by distances to points here, too
+  CHECK(planes.nu_min == doctest::Approx(target.plane_nu_min()));
   CloudAlignmentOptions options;
   options.nu_max = 0.5;
   options.nu_min = 0.25;

@@ -1,11 +1,11 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Appendix D of the paper: the derivatives of the point-to-plane residual by the element of se(3), against
-// numeric ones, element by element. The print has slips; what holds is written here, with what the print
-// says.
+// Appendix D of the paper, with its slips corrected in test/reference: the derivatives of the point-to-plane
+// residual by the element of se(3), against numeric ones, element by element.
+#include "../reference/plane_jacobian.hpp"
+
 #include <doctest/doctest.h>
 
-#include <array>
 #include <cmath>
 
 #include "cloud_samples.hpp"
@@ -14,49 +14,10 @@
 
 using namespace scanlock;
 using namespace scanlock::test;
+using reference::appendix_d;
+using reference::PoseDerivatives;
 
 namespace {
-
-Eigen::Matrix3d hat(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d m;
-  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
-}
-
-struct Derivatives {
-  std::array<Eigen::Matrix3d, 3> rotation;  // dR / d delta_j
-  Eigen::Matrix3d by_delta, by_u;           // dt / d delta, dt / d u
-};
-
-/// Of R = exp(delta^), t = ((R - I) u^ delta + delta delta^T u) / |delta|^2. Two slips of the print: in
-/// dt/d delta the last term is M delta delta^T, not M delta^T delta; and at delta = 0, where dt/d delta_j is
-/// printed as 0, it is e_j^ u / 2.
-Derivatives appendix_d(const Eigen::Vector3d& delta, const Eigen::Vector3d& u) {
-  Derivatives d;
-  const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
-  const double square = delta.squaredNorm();
-  if (square == 0) {
-    for (int j = 0; j < 3; ++j) {
-      d.rotation[static_cast<std::size_t>(j)] = hat(identity.col(j));
-      d.by_delta.col(j) = 0.5 * hat(identity.col(j)) * u;
-    }
-    d.by_u = identity;
-    return d;
-  }
-  const Eigen::Matrix3d r = so3_exp(delta);
-  Eigen::Matrix3d changes;
-  for (int j = 0; j < 3; ++j) {
-    const Eigen::Matrix3d dr =
-        (delta[j] * hat(delta) + hat(delta.cross((identity - r) * identity.col(j)))) / square * r;
-    d.rotation[static_cast<std::size_t>(j)] = dr;
-    changes.col(j) = dr * hat(u) * delta;
-  }
-  const Eigen::Matrix3d m = (r - identity) * hat(u) + delta.dot(u) * identity;
-  d.by_delta = (m + delta * u.transpose() + changes) / square -
-               2.0 / (square * square) * m * delta * delta.transpose();
-  d.by_u = ((identity - r) * hat(delta) + delta * delta.transpose()) / square;
-  return d;
-}
 
 Pose pose_at(const Eigen::Vector3d& delta, const Eigen::Vector3d& u) {
   Vector6 xi;
@@ -70,7 +31,7 @@ TEST_CASE("the derivatives of appendix D agree with numeric ones in every elemen
   Random random(1);
   for (const double size : {0.0, 1e-3, 0.1, 1.0, 2.5, 3.1}) {
     const Eigen::Vector3d delta = size * random.vector().normalized(), u = 2.0 * random.vector();
-    const Derivatives d = appendix_d(delta, u);
+    const PoseDerivatives d = appendix_d(delta, u);
     const double h = 1e-6, tolerance = size > 0 && size < 0.01 ? 1e-5 : 1e-8;
     CAPTURE(size);
     for (int j = 0; j < 3; ++j) {
@@ -94,7 +55,7 @@ TEST_CASE("the derivatives of appendix D agree with numeric ones in every elemen
 
 TEST_CASE("the step's own derivative [n; p x n] is that of appendix D at delta = 0, about the moved point") {
   Random random(2);
-  const Derivatives d = appendix_d(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+  const PoseDerivatives d = appendix_d(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
   for (int trial = 0; trial < 20; ++trial) {
     const Eigen::Vector3d p = 3.0 * random.vector(), n = random.vector().normalized();
     const Eigen::Vector3d lever = p.cross(n);

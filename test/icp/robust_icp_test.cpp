@@ -33,8 +33,9 @@ struct Valley final : DescentProblem {
   double distance(const StateVector& a, const StateVector& b) const override { return (a - b).norm(); }
 };
 
-DescentResult solve(Valley& valley, int window, int most = 20000) {
+DescentResult solve(Valley& valley, int window, int most = 20000, int line_search_steps = 4) {
   DescentOptions options;
+  options.max_line_search_steps = line_search_steps;
   options.anderson_window = window;
   options.max_iterations = most;
   options.tolerance = 1e-7;
@@ -92,6 +93,15 @@ TEST_CASE("a step that raises the energy is gone on from, as far as patience goe
     CHECK(ridge.x == result.x[0]);
     CHECK(result.energy == result.x[0]);
   }
+}
+
+TEST_CASE("the line search shortens a step that overshoots") {
+  Valley with, without;
+  with.rate = without.rate = 1e-2;
+  CHECK(solve(without, 0, 100, 0).energy == 4);  // that of the start
+  const DescentResult found = solve(with, 0, 100);
+  CHECK(found.iterations > 10);
+  CHECK(found.energy < 4);
 }
 
 TEST_CASE("an image that is not finite ends the descent at the last good state") {
