@@ -168,6 +168,7 @@ void run(const Options& options) {
                  {options.picture, options.html},
                  ""},
                 options.force);
+  check_picture_path(options.picture);
   const LoadedTrajectory estimate = load(options.estimate);
   LoadedTrajectory reference = load(options.reference);
   if (reference.has_times) sort_by_time(reference.trajectory);
