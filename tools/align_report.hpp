@@ -9,8 +9,8 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <iostream>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "command_line.hpp"
 #include "geometry/moved_cloud.hpp"
@@ -57,6 +57,60 @@ inline Json axis_names(std::uint32_t axes) {
   return names;
 }
 
+/// How a member of the object is called and measured where people read it; others go by their own names.
+struct Label {
+  const char *key, *name, *unit;
+};
+constexpr Label kLabels[] = {{"points", "points (source, target)", ""},
+                             {"voxel", "thinned to", "m"},
+                             {"stop_reason", "ended by", ""},
+                             {"nu", "scale of residuals", "m"},
+                             {"searches", "nearest points", ""},
+                             {"degenerate_axes", "axes left open", ""},
+                             {"ms", "time", "ms"},
+                             {"peak_rss_mb", "peak memory", "MB"},
+                             {"epsilon", "largest residual", "m"},
+                             {"tilt_deg", "tilt", "deg"},
+                             {"rmse", "rmse to the truth", "m"},
+                             {"rotation_error_deg", "rotation error", "deg"},
+                             {"translation_error", "translation error", "m"}};
+
+inline std::string with_blanks(std::string name) {
+  for (char& c : name) c = c == '_' ? ' ' : c;
+  return name;
+}
+
+/// Four digits of a number that is no integer; lists and objects on one line.
+inline std::string words_of(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (value.is_null()) return "unknown";
+  if (value.is_number_float()) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", value.get<double>());
+    return text;
+  }
+  if (!value.is_structured()) return value.dump();
+  std::string words;
+  for (const auto& [key, member] : value.items()) {
+    if (!words.empty()) words += ", ";
+    if (value.is_object()) words += with_blanks(key) + " ";
+    words += words_of(member);
+  }
+  return words.empty() ? "none" : words;
+}
+
+inline void print_labelled(const std::string& key, const Json& value) {
+  std::string name = with_blanks(key), unit;
+  for (const Label& label : kLabels) {
+    if (key != label.key) continue;
+    name = label.name;
+    unit = label.unit;
+  }
+  std::fprintf(stderr, "%-24s %s%s\n", name.c_str(), words_of(value).c_str(),
+               unit.empty() ? "" : (" " + unit).c_str());
+}
+
 /// The object on one line; or, for people, the transform on standard output and the rest, but for long lists,
 /// on standard error.
 inline void print_result(const Json& json, bool as_json) {
@@ -71,7 +125,7 @@ inline void print_result(const Json& json, bool as_json) {
   }
   constexpr std::size_t kLong = 12;
   for (const auto& [key, value] : json.items()) {
-    if (!value.is_array() || value.size() < kLong) std::cerr << key << ": " << value.dump() << "\n";
+    if (!value.is_array() || value.size() < kLong) print_labelled(key, value);
   }
 }
 

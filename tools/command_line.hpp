@@ -7,11 +7,13 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <stdexcept>
 #include <string>
@@ -50,6 +52,16 @@ inline void print(const std::string& text) {
 template <typename Json>
 void print_json(const Json& json) {
   print(json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+/// Pictures are SVG; a name that says another format was not meant so. An empty name stands for no picture.
+inline void check_picture_path(const std::string& path) {
+  const std::filesystem::path name(path);
+  std::string extension = name.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension.empty() || extension == ".svg") return;
+  throw std::runtime_error(path + ": pictures are written as SVG; name it " +
+                           std::filesystem::path(name).replace_extension(".svg").string());
 }
 
 /// For an option that takes a finite number of 0 or more, or only above 0. (CLI11's own take NaN, and name a

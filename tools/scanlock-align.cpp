@@ -153,6 +153,7 @@ int run(const AlignOptions& options) {
   Pose start = options.init.empty() ? Pose::Identity() : read_transform(options.init);
   const Pose truth = options.truth.empty() ? Pose::Identity() : read_transform(options.truth);
   ms.read = watch.lap();
+  const Pose given = start;
   std::optional<GlobalStart> global;
   if (is_global(options.method)) {
     global =
@@ -178,7 +179,7 @@ int run(const AlignOptions& options) {
   if (!options.output.empty()) write_cloud(options.output, moved(source, result.target_from_source));
   if (!options.picture.empty()) {
     write_file_bytes(options.picture,
-                     alignment_svg({moved(source, start), moved(source, result.target_from_source), target,
+                     alignment_svg({moved(source, given), moved(source, result.target_from_source), target,
                                     options.method}));
   }
   print_result(json, options.json);
@@ -197,6 +198,7 @@ int align(AlignOptions& options) {
   settle_align_options(options);
   check_outputs(files_of(options), options.force);
   if (!options.output.empty()) check_cloud_path(options.output);
+  check_picture_path(options.picture);
   if (!options.chain) return run(options);
   run_chain(options);
   return 0;

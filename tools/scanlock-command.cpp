@@ -103,6 +103,20 @@ class StatusListener {
   std::optional<StatusReport> last_;
 };
 
+/// What the daemon has done.
+std::string done(const command_t& command) {
+  switch (command.command) {
+    case command_t::SAVE_MAP:
+      return command.path + ": the map is saved";
+    case command_t::LOAD_MAP:
+      return command.path + ": the map is loaded; the daemon looks for its place in it";
+    case command_t::RESET:
+      return "the map is forgotten; the next scan begins a new one";
+    default:
+      return "the pose is set";
+  }
+}
+
 int run(const Options& options) {
   const command_t command = command_of(options.words);
   DaemonConfig config;
@@ -120,7 +134,10 @@ int run(const Options& options) {
   if (lcm.publish(options.channel, &command) != 0)
     throw std::runtime_error(url + ": the command cannot be sent");
   while (const std::optional<StatusReport> now = listener.next(until)) {
-    if (now->commands > before->commands) return 0;
+    if (now->commands > before->commands) {
+      print(done(command) + "\n");
+      return 0;
+    }
     if (now->commands_rejected > before->commands_rejected) throw std::runtime_error(now->last_error);
   }
   throw std::runtime_error("the daemon has not told what became of the command");

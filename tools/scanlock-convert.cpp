@@ -9,6 +9,7 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -32,7 +33,8 @@ using namespace scanlock;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string input, output, channel, type = "pointcloud2";
+  std::string input, output, channel, type = "pointcloud2", format = "bin";
+  std::optional<std::size_t> scan;
   ScanDirectory::Clock clock;
   bool info = false, json = false, force = false;
 };
@@ -41,7 +43,10 @@ constexpr const char* kFooter = R"(What is done depends on IN and OUT:
   DIR LOG                   numbered .bin, .pcd or .ply scans into an LCM log (channel LIDAR), in the order of their
                             numbers. DIR/times.txt, if there: a line for each scan, the seconds it is stamped with.
                             DIR/ptime/NAME.f32, if there: float32 seconds of each point relative to that stamp.
-  LOG DIR                   the other way, into a new directory (.bin, times.txt, ptime/)
+  LOG DIR                   the other way, into a new directory: .bin, times.txt, ptime/; with --format pcd or ply, NNNNNN.pcd or
+                            .ply with a column `time`, and times.txt
+  LOG OUT.pcd|OUT.ply|OUT.bin
+                            one scan, which --scan names where the log has several; in the sensor's frame, not deskewed
   LOG --info                channels, types, counts, rates, gaps; damage is passed over, counted and reported
   SITE.ply|SITE.pcd SITE.map
                             a cloud of any program into a map for scanlockd --map, for a sensor at the body's origin; z
@@ -59,15 +64,22 @@ has no times) scan n is stamped n periods after zero. --utime moves zero to US; 
 and 0 when times.txt begins later than zero. The log's events carry the scans' own utime.)";
 
 void declare(CLI::App& app, Options& options) {
-  explain(app, kFooter,
-          {"scanlock-convert drive.lcmlog --info", "scanlock-convert drive.lcmlog scans --channel LIDAR",
-           "scanlock-convert poses.lcmlog poses.tum --channel POSE_BODY_CORRECTED"});
+  explain(
+      app, kFooter,
+      {"scanlock-convert drive.lcmlog --info", "scanlock-convert drive.lcmlog scans --channel LIDAR",
+       "scanlock-convert drive.lcmlog scans --format pcd", "scanlock-convert drive.lcmlog first.pcd --scan 0",
+       "scanlock-convert poses.lcmlog poses.tum --channel POSE_BODY_CORRECTED"});
   app.add_option("IN", options.input, "a directory of scans, an LCM log or a trajectory")->required();
-  app.add_option("OUT", options.output, "an LCM log, a new directory or a trajectory");
+  app.add_option("OUT", options.output, "an LCM log, a new directory, a cloud or a trajectory");
   app.add_option("--channel", options.channel, "of the scans (default: LIDAR) or poses (POSE_BODY_CORRECTED)")
       ->check(channel_name());
   app.add_option("--type", options.type, "message type of the scans in a new log (default: pointcloud2)")
       ->check(CLI::IsMember({"pointcloud2", "pointcloud", "drake", "sectors", "planar"}));
+  app.add_option("--format", options.format,
+                 "of the scans in a new directory: bin, pcd or ply (default: bin)")
+      ->check(CLI::IsMember({"bin", "pcd", "ply"}));
+  app.add_option("--scan", options.scan, "the number of the scan for a cloud OUT, from 0 on")
+      ->check(number_from_zero(true));
   app.add_option("--period", options.clock.period_s,
                  "seconds from scan to scan without times.txt (default: 0.1)")
       ->check(number_from_zero(false));
@@ -128,7 +140,15 @@ void convert_log_scans(const Options& options) {
   const std::string channel = channel_or(options, "LIDAR");
   ProgressBar bar("log");
   report_scans(options,
-               log_to_directory(options.input, channel, options.output, shown_by(bar), options.force),
+               log_to_directory(options.input, channel, options.output, shown_by(bar), options.force,
+                                "." + options.format),
+               channel);
+}
+
+void convert_log_scan(const Options& options) {
+  const std::string channel = channel_or(options, "LIDAR");
+  ProgressBar bar("log");
+  report_scans(options, log_to_cloud(options.input, channel, options.output, options.scan, shown_by(bar)),
                channel);
 }
 
@@ -243,9 +263,9 @@ void check_kind(const Options& options, bool from_directory, bool to_directory) 
   };
   if (from_directory && is_one_of({".tum", ".kitti", ".txt", ".bin", ".ply", ".pcd"}))
     throw std::runtime_error(input + ": is a directory, whose scans go into a .lcmlog, not into " + output);
-  if (to_directory && is_one_of({".lcmlog", ".bin", ".ply", ".pcd"}))
-    throw std::runtime_error(input + ": is a log, whose scans go into a directory and poses into a .tum or " +
-                             ".kitti, not into " + output);
+  if (to_directory && is_one_of({".lcmlog", ".xyz"}))
+    throw std::runtime_error(input + ": is a log, whose scans go into a directory or a .pcd, .ply or .bin, " +
+                             "and poses into a .tum or .kitti, not into " + output);
 }
 
 void run(const Options& options) {
@@ -269,11 +289,15 @@ void run(const Options& options) {
   if (!directory && !log && !to_trajectory)
     throw std::runtime_error(options.output + ": name a trajectory .tum, .kitti or .txt (" + options.input +
                              " is neither a directory nor an LCM log)");
-  const bool to_directory = log && !to_trajectory;
+  const bool to_cloud = log && (extension == ".pcd" || extension == ".ply" || extension == ".bin");
+  if (options.scan && !to_cloud)
+    throw UsageError("--scan goes with a log and a cloud OUT (.pcd, .ply or .bin)");
+  const bool to_directory = log && !to_trajectory && !to_cloud;
   check_outputs({{options.input}, {to_directory ? "" : options.output}, to_directory ? options.output : ""},
                 options.force);
   check_kind(options, directory, to_directory);
   if (directory) return convert_directory(options);
+  if (to_cloud) return convert_log_scan(options);
   to_directory ? convert_log_scans(options) : convert_trajectory(options);
 }
 

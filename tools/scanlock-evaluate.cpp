@@ -39,7 +39,9 @@ Where either side is a KITTI file, which has no times, the n-th pose is matched 
 --align none   compares the trajectories as they stand: both must be given in the same frame
 
 RPE: from each pose to the first one at least so far along the reference's way; mean over all, percent and deg/m.
-Kidnaps are jumps of the reference that no motion explains. recovery_s: from each to the first pose from which on the
+Kidnaps are jumps of the reference that no motion explains. The errors while tracking are those of the poses that say
+TRACKING or DEGRADED (all, where the states are not known) and do not lie between a kidnap and the return from it, laid over
+by these poses alone; their RPE is over stretches that hold no other pose. recovery_s: from each to the first pose from which on the
 estimate is within 1 m and 5 degrees for a second, and says that it tracks; null: never. For this the estimate is laid
 over the poses before the first kidnap, orientations too. wrong_jumps: times the estimate came to claim TRACKING over
 2 m off by a jump; known for a log with scanlock.odometry_t on SCANLOCK_ODOMETRY, else null.
@@ -101,9 +103,39 @@ PosePairs match(const LoadedTrajectory& estimate, const LoadedTrajectory& refere
   return match_by_number(estimate.trajectory, reference.trajectory);
 }
 
+Json absolute_json(const AbsoluteError& error) {
+  return {{"rmse", error.rmse}, {"median", error.median}, {"max", error.max}};
+}
+
 Json relative_json(const std::optional<RelativeError>& error) {
   if (!error) return {{"percent", nullptr}, {"deg_per_m", nullptr}};
   return {{"percent", error->percent}, {"deg_per_m", error->deg_per_m}};
+}
+
+template <typename RelativeErrors>
+Json rpe_json(const RelativeErrors& rpe) {
+  return {{"1m", relative_json(rpe[0])}, {"10m", relative_json(rpe[1])}, {"100m", relative_json(rpe[2])}};
+}
+
+Json tracking_json(const std::optional<TrackingError>& tracking) {
+  if (!tracking) return nullptr;
+  return {{"poses", tracking->poses},
+          {"ate_m", absolute_json(tracking->ate_m)},
+          {"rpe", rpe_json(tracking->rpe)}};
+}
+
+Json kidnaps_json(const Comparison& comparison) {
+  Json kidnaps = Json::array();
+  for (std::size_t i = 0; i < comparison.kidnaps.kidnaps.size(); ++i) {
+    const Kidnap& kidnap = comparison.kidnaps.kidnaps[i];
+    const AwayError& away = comparison.split.away[i];
+    kidnaps.push_back({{"at_s", kidnap.time_s - comparison.reference.front().time_s},
+                       {"jump_m", kidnap.jump_m},
+                       {"jump_deg", kidnap.jump_deg},
+                       {"poses_until_back", away.poses},
+                       {"error_until_back_m", away.ate_m ? absolute_json(*away.ate_m) : Json(nullptr)}});
+  }
+  return kidnaps;
 }
 
 Json nees_json(const std::optional<Nees>& nees) {
@@ -113,25 +145,19 @@ Json nees_json(const std::optional<Nees>& nees) {
 
 Json result_json(const Comparison& comparison, const std::string& align) {
   const Evaluation& e = comparison.evaluation;
-  Json recovery_s = Json::array(), kidnaps = Json::array();
-  for (const Kidnap& kidnap : comparison.kidnaps.kidnaps) {
+  Json recovery_s = Json::array();
+  for (const Kidnap& kidnap : comparison.kidnaps.kidnaps)
     recovery_s.push_back(kidnap.recovery_s ? Json(*kidnap.recovery_s) : Json(nullptr));
-    kidnaps.push_back({{"at_s", kidnap.time_s - comparison.reference.front().time_s},
-                       {"jump_m", kidnap.jump_m},
-                       {"jump_deg", kidnap.jump_deg}});
-  }
   const auto& wrong = comparison.kidnaps.wrong_jumps;
   return {{"poses", e.poses},
           {"matched", e.matched},
           {"length_m", e.length_m},
-          {"ate_m", {{"rmse", e.ate_m.rmse}, {"median", e.ate_m.median}, {"max", e.ate_m.max}}},
-          {"rpe",
-           {{"1m", relative_json(e.rpe[0])},
-            {"10m", relative_json(e.rpe[1])},
-            {"100m", relative_json(e.rpe[2])}}},
+          {"ate_m", absolute_json(e.ate_m)},
+          {"rpe", rpe_json(e.rpe)},
           {"kitti", relative_json(e.kitti)},
+          {"tracking", tracking_json(comparison.split.tracking)},
           {"nees", nees_json(comparison.nees)},
-          {"kidnaps", kidnaps},
+          {"kidnaps", kidnaps_json(comparison)},
           {"wrong_jumps", wrong ? Json(*wrong) : Json(nullptr)},
           {"recovery_s", recovery_s},
           {"align", align}};
@@ -142,11 +168,12 @@ void run(const Options& options) {
                  {options.picture, options.html},
                  ""},
                 options.force);
+  check_picture_path(options.picture);
   const LoadedTrajectory estimate = load(options.estimate);
   LoadedTrajectory reference = load(options.reference);
   if (reference.has_times) sort_by_time(reference.trajectory);
   Comparison comparison{
-      estimate.name, reference.name, estimate.trajectory, reference.trajectory, {}, {}, {}, {}, {}};
+      estimate.name, reference.name, estimate.trajectory, reference.trajectory, {}, {}, {}, {}, {}, {}};
   comparison.pairs = match(estimate, reference, options);
   comparison.evaluation = evaluate(comparison.pairs, estimate.trajectory.size(), overlay_of(options));
   if (estimate.has_times && reference.has_times) {
@@ -156,6 +183,8 @@ void run(const Options& options) {
     comparison.nees =
         normalised_error(comparison.pairs, comparison.states, first_kidnap_s(comparison.kidnaps.kidnaps));
   }
+  comparison.split =
+      split_errors(comparison.pairs, comparison.states, comparison.kidnaps, overlay_of(options));
   const PosePair& first = comparison.pairs.front();
   const double apart = (first.estimate.translation() - first.reference.translation()).norm();
   if (overlay_of(options) == Overlay::kNone && apart > 1)

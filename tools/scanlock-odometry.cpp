@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -112,13 +113,19 @@ Json summary(const Result& result, const Counters& counters) {
 }
 
 void print(const Json& s) {
+  const auto count = [](const Json& value) { return value.get<long long>(); };
+  const auto real = [](const Json& value) { return value.get<double>(); };
   const Json &states = s["states"], &ms = s["ms"];
-  std::cout << "scans " << s["scans"] << ", poses " << s["poses"] << ", way " << s["distance_m"] << " m\n"
-            << "states: tracking " << states["tracking"] << ", degraded " << states["degraded"]
-            << ", recovering " << states["recovering"] << ", ambiguous " << states["ambiguous"] << ", lost "
-            << states["lost"] << ", initialising " << states["initialising"] << "\n"
-            << "ms a scan: p50 " << ms["p50"] << ", p95 " << ms["p95"] << ", p99 " << ms["p99"] << ", max "
-            << ms["max"] << "; CPU " << s["cpu_s"] << " s, peak memory " << s["peak_rss_mb"] << " MB\n";
+  std::printf("%-16s %lld, poses %lld, way %.1f m\n", "scans", count(s["scans"]), count(s["poses"]),
+              real(s["distance_m"]));
+  std::printf(
+      "%-16s tracking %lld, degraded %lld, recovering %lld, ambiguous %lld, lost %lld, initialising %lld\n",
+      "states", count(states["tracking"]), count(states["degraded"]), count(states["recovering"]),
+      count(states["ambiguous"]), count(states["lost"]), count(states["initialising"]));
+  std::printf("%-16s p50 %.1f ms, p95 %.1f ms, p99 %.1f ms, max %.1f ms\n", "time of a scan", real(ms["p50"]),
+              real(ms["p95"]), real(ms["p99"]), real(ms["max"]));
+  std::printf("%-16s CPU %.1f s, peak memory %.0f MB\n", "whole run", real(s["cpu_s"]),
+              real(s["peak_rss_mb"]));
 }
 
 /// What a log is to blame for, each kind once, with its number and its first sentence.

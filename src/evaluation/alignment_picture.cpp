@@ -50,10 +50,10 @@ std::vector<double> distances(const Dots& dots, const KdTree& tree, const Eigen:
   return result;
 }
 
-/// The middle 98 % of the target and of the source where it ended, in one coordinate.
-std::pair<double, double> extent(const Dots& target, const Dots& after, int coordinate) {
+/// The middle 98 % of the target and of the source, in one coordinate.
+std::pair<double, double> extent(const Dots& target, const Dots& source, int coordinate) {
   std::vector<double> values;
-  for (const Dots* dots : {&target, &after}) {
+  for (const Dots* dots : {&target, &source}) {
     for (const Eigen::Vector3d& p : dots->points) values.push_back(p[coordinate]);
   }
   if (values.empty()) return {0, 1};
@@ -70,10 +70,9 @@ std::string dot(const Eigen::Vector2d& at, const char* colour, double radius) {
   return text;
 }
 
-std::string panel(const View& view, SvgPanel::Frame frame, const Dots& source, const Dots& target,
-                  const Dots& after) {
-  const auto [a0, a1] = extent(target, after, view.a);
-  const auto [b0, b1] = extent(target, after, view.b);
+std::string panel(const View& view, SvgPanel::Frame frame, const Dots& source, const Dots& target) {
+  const auto [a0, a1] = extent(target, source, view.a);
+  const auto [b0, b1] = extent(target, source, view.b);
   const SvgPanel axes = SvgPanel::equal_scales(frame, {a0, b0}, {a1, b1});
   // One path a colour: its points are lines of no length with round ends.
   std::array<std::string, kColours + 1> paths;
@@ -151,13 +150,13 @@ std::string alignment_svg(const AlignmentPicture& picture) {
   svg +=
       "<style>.grid{stroke:#ddd;stroke-width:1;fill:none}.panel{stroke:#888;fill:none}"
       ".dots{stroke-width:1.6;stroke-linecap:round;fill:none}</style>\n";
-  svg += text(20, 24, picture.title + ": source over target (grey); above: at the start, below: aligned");
+  svg += text(20, 24, picture.title + ": source over target (grey); above: as it was given, below: aligned");
   for (int row = 0; row < 2; ++row) {
     const double top = kTop + row * (kPanel + kGap);
     for (std::size_t v = 0; v < kViews.size(); ++v) {
       const double left = kGap + static_cast<double>(v) * (kPanel + kGap);
       svg += text(left, top - 8, kViews[v].name);
-      svg += panel(kViews[v], {left, top, kPanel, kPanel}, row == 0 ? before : after, target, after);
+      svg += panel(kViews[v], {left, top, kPanel, kPanel}, row == 0 ? before : after, target);
     }
   }
   return svg + legend(unit, height - 14) + "</svg>\n";

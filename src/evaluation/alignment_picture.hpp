@@ -10,7 +10,7 @@ namespace scanlock {
 
 /// What an alignment did, all in the target's frame.
 struct AlignmentPicture {
-  PointCloud before;  ///< the source where it started
+  PointCloud before;  ///< the source where it was given
   PointCloud after;   ///< the source where it ended
   PointCloud target;
   std::string title;

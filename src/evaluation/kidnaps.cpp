@@ -57,10 +57,7 @@ Pose mean_alignment(const PosePairs& pairs, const std::vector<StampedState>& sta
 
 /// Whether the estimate is where the reference is, and says so where it can.
 bool is_home(const PosePair& pair, const Pose& alignment, const std::vector<StampedState>& states) {
-  if (!states.empty()) {
-    const auto state = state_at(states, pair.time_s);
-    if (state != TrackingState::kTracking && state != TrackingState::kDegraded) return false;
-  }
+  if (!claims_to_track(states, pair.time_s)) return false;
   const Pose error = pair.reference.inverse() * (alignment * pair.estimate);
   return metres(error) <= kRecoveredMetres && degrees(error) <= kRecoveredDegrees;
 }
@@ -163,6 +160,12 @@ double first_kidnap_s(const std::vector<Kidnap>& kidnaps) {
 std::optional<TrackingState> state_at(const std::vector<StampedState>& states, double time_s) {
   const StampedState* found = said_at(states, time_s);
   return found != nullptr ? std::optional<TrackingState>(found->state) : std::nullopt;
+}
+
+bool claims_to_track(const std::vector<StampedState>& states, double time_s) {
+  if (states.empty()) return true;
+  const auto state = state_at(states, time_s);
+  return state == TrackingState::kTracking || state == TrackingState::kDegraded;
 }
 
 KidnapReport examine_kidnaps(const Trajectory& reference, const PosePairs& pairs,

@@ -50,4 +50,7 @@ double first_kidnap_s(const std::vector<Kidnap>& kidnaps);
 /// The state at a time, or nothing within a microsecond or two. `states` in the order of time.
 std::optional<TrackingState> state_at(const std::vector<StampedState>& states, double time_s);
 
+/// Whether TRACKING or DEGRADED was said at a time; true where `states` is empty: not known.
+bool claims_to_track(const std::vector<StampedState>& states, double time_s);
+
 }  // namespace scanlock

@@ -63,6 +63,10 @@ std::optional<RelativeError> mean_of(RelativeError sum) {
 
 }  // namespace
 
+std::size_t poses_needed(Overlay kind) {
+  return kind == Overlay::kSe3 ? 3 : kind == Overlay::kYaw ? 2 : 1;
+}
+
 Pose overlay(const PosePairs& pairs, Overlay kind) {
   if (kind == Overlay::kNone) return Pose::Identity();
   const Eigen::Matrix3Xd estimate = positions(pairs, &PosePair::estimate);
@@ -112,7 +116,7 @@ std::optional<RelativeError> kitti_error(const PosePairs& pairs) {
 
 Evaluation evaluate(const PosePairs& pairs, std::size_t poses, Overlay kind) {
   if (pairs.empty()) throw std::runtime_error("no pose of the estimate has a match in the reference");
-  const std::size_t needed = kind == Overlay::kSe3 ? 3 : kind == Overlay::kYaw ? 2 : 1;
+  const std::size_t needed = poses_needed(kind);
   if (pairs.size() < needed)
     throw std::runtime_error("only " + std::to_string(pairs.size()) +
                              " matched poses; this alignment needs " + std::to_string(needed));

@@ -17,6 +17,9 @@ namespace scanlock {
 /// kSe3: the best rigid motion (Umeyama without scale), what evo and KISS-ICP call aligned.
 enum class Overlay { kNone, kYaw, kSe3 };
 
+/// Pairs that an overlay needs at least.
+std::size_t poses_needed(Overlay kind);
+
 /// reference_from_estimate, by least squares over the positions of the pairs. With positions on a line, the
 /// rotation about that line is arbitrary under kSe3.
 Pose overlay(const PosePairs& pairs, Overlay kind);

@@ -43,7 +43,12 @@ std::string number(const char* format, double value) {
 
 std::string relative_text(const std::optional<RelativeError>& error) {
   if (!error) return "-";
-  return number("%.3f %%, ", error->percent) + number("%.5f deg/m", error->deg_per_m);
+  return number("%.2f %%, ", error->percent) + number("%.4f deg/m", error->deg_per_m);
+}
+
+/// Whether the errors of the tracked poses tell something else than those of all.
+bool is_split(const Comparison& comparison) {
+  return comparison.split.tracking && comparison.split.tracking->poses < comparison.pairs.size();
 }
 
 std::string nees_text(const Nees& nees) {
@@ -70,12 +75,6 @@ const Pose& picture_overlay(const Comparison& comparison) {
                                             : comparison.kidnaps.reference_from_estimate;
 }
 
-bool claims_to_track(const Comparison& comparison, double time_s) {
-  if (comparison.states.empty()) return true;
-  const auto state = state_at(comparison.states, time_s);
-  return state == TrackingState::kTracking || state == TrackingState::kDegraded;
-}
-
 /// The reference without lines across the kidnaps.
 std::vector<Points2> reference_pieces(const Comparison& comparison) {
   std::vector<Points2> pieces(1);
@@ -100,7 +99,7 @@ std::vector<Stretch> estimate_stretches(const Comparison& comparison) {
   const Pose& overlay = picture_overlay(comparison);
   std::vector<Stretch> stretches;
   for (const StampedPose& stamped : comparison.estimate) {
-    const bool tracking = claims_to_track(comparison, stamped.time_s);
+    const bool tracking = claims_to_track(comparison.states, stamped.time_s);
     if (stretches.empty() || stretches.back().tracking != tracking) stretches.push_back({tracking, {}});
     stretches.back().line.push_back((overlay * stamped.pose.translation()).head<2>());
   }
@@ -151,27 +150,51 @@ std::string seen_from_above(const Comparison& comparison) {
   return svg + kidnaps_from_above(comparison, panel) + panel.scale_bar();
 }
 
-std::string over_the_way(const Comparison& comparison) {
+std::string height_over_the_way(const Comparison& comparison) {
   const Pose& overlay = picture_overlay(comparison);
-  const std::vector<double> errors = position_errors(comparison.pairs, overlay);
-  Points2 reference, estimate, error;
+  Points2 reference, estimate;
   std::vector<double> heights;
   for (std::size_t i = 0; i < comparison.pairs.size(); ++i) {
     const PosePair& pair = comparison.pairs[i];
     const double way = pair.way_m - comparison.pairs.front().way_m;
     reference.push_back({way, pair.reference.translation().z()});
     estimate.push_back({way, (overlay * pair.estimate.translation()).z()});
-    error.push_back({way, errors[i]});
     heights.push_back(reference.back().y());
     heights.push_back(estimate.back().y());
   }
   const double way = std::max(comparison.evaluation.length_m, 1e-3);
   const Range height = range_of(heights, 0.1, 0.1);
-  const double most = std::max(1.1 * *std::max_element(errors.begin(), errors.end()), 1e-3);
   const SvgPanel side({kLeft, 660, kPanelWidth, 120}, {0, height.min}, {way, height.max});
+  return side.grid("way (m)", "height z (m)", 9, 4) + side.line(reference, "reference") +
+         side.line(estimate, "estimate");
+}
+
+/// The errors of the tracked poses, in pieces; of all, where no other is known.
+std::vector<Points2> error_pieces(const Comparison& comparison) {
+  const bool split = is_split(comparison);
+  const std::vector<double> errors =
+      position_errors(comparison.pairs, split ? comparison.split.tracking->reference_from_estimate
+                                              : picture_overlay(comparison));
+  std::vector<Points2> pieces;
+  bool joined = false;  // with the one before
+  for (std::size_t i = 0; i < comparison.pairs.size(); ++i) {
+    const bool shown = !split || comparison.split.tracked[i] != 0;
+    if (shown && !joined) pieces.emplace_back();
+    if (shown)
+      pieces.back().push_back({comparison.pairs[i].way_m - comparison.pairs.front().way_m, errors[i]});
+    joined = shown;
+  }
+  return pieces;
+}
+
+std::string error_over_the_way(const Comparison& comparison) {
+  const std::vector<Points2> pieces = error_pieces(comparison);
+  double most = 1e-3;
+  for (const Points2& piece : pieces)
+    for (const Eigen::Vector2d& point : piece) most = std::max(most, 1.1 * point.y());
+  const double way = std::max(comparison.evaluation.length_m, 1e-3);
   const SvgPanel below({kLeft, 840, kPanelWidth, 120}, {0, 0}, {way, most});
-  std::string svg = side.grid("way (m)", "height z (m)", 9, 4) + side.line(reference, "reference") +
-                    side.line(estimate, "estimate") + below.grid("way (m)", "error (m)", 9, 4);
+  std::string svg = below.grid("way (m)", is_split(comparison) ? "error, tracking (m)" : "error (m)", 9, 4);
   for (const Kidnap& kidnap : comparison.kidnaps.kidnaps) {
     const auto at = std::find_if(comparison.pairs.begin(), comparison.pairs.end(),
                                  [&](const PosePair& pair) { return pair.time_s >= kidnap.time_s - 1e-3; });
@@ -179,16 +202,21 @@ std::string over_the_way(const Comparison& comparison) {
     const double x = at->way_m - comparison.pairs.front().way_m;
     svg += below.line({{x, 0}, {x, most}}, "kidnap-line");
   }
-  return svg + below.line(error, "error");
+  for (const Points2& piece : pieces) svg += below.line(piece, "error");
+  return svg;
 }
 
 std::string heading(const Comparison& comparison) {
   const Evaluation& e = comparison.evaluation;
   std::string numbers = std::to_string(e.matched) + " of " + std::to_string(e.poses) +
-                        " poses matched over " + number("%.1f m", e.length_m) + "; position error rmse " +
-                        number("%.3f m", e.ate_m.rmse) + number(", max %.3f m", e.ate_m.max);
-  if (e.rpe[1]) numbers += "; over 10 m " + number("%.2f %%", e.rpe[1]->percent);
-  if (e.kitti) numbers += "; KITTI " + number("%.2f %%", e.kitti->percent);
+                        " poses matched over " + number("%.1f m", e.length_m) + "; position error ";
+  const bool split = is_split(comparison);
+  const AbsoluteError& ate_m = split ? comparison.split.tracking->ate_m : e.ate_m;
+  const auto& over_10_m = split ? comparison.split.tracking->rpe[1] : e.rpe[1];
+  numbers += (split ? "while tracking: rmse " : "rmse ") + number("%.3f m", ate_m.rmse) +
+             number(", max %.3f m", ate_m.max);
+  if (over_10_m) numbers += "; over 10 m " + number("%.2f %%", over_10_m->percent);
+  if (e.kitti && !split) numbers += "; KITTI " + number("%.2f %%", e.kitti->percent);
   const auto text = [](const char* css_class, double y, const std::string& content) {
     return "<text class=\"" + std::string(css_class) + "\" x=\"" + number("%.0f", kLeft) + "\" y=\"" +
            number("%.0f", y) + "\">" + escaped(content) + "</text>\n";
@@ -203,26 +231,51 @@ std::string heading(const Comparison& comparison) {
                                       "y=\"76\">estimate, not tracking by its own account</text>\n");
 }
 
-}  // namespace
+using Rows = std::vector<std::pair<std::string, std::string>>;
 
-std::vector<std::pair<std::string, std::string>> result_rows(const Comparison& comparison) {
-  const Evaluation& evaluation = comparison.evaluation;
-  std::vector<std::pair<std::string, std::string>> rows = {
-      {"poses", std::to_string(evaluation.poses)},
-      {"matched", std::to_string(evaluation.matched)},
-      {"length", number("%.3f m", evaluation.length_m)},
-      {"ATE rmse", number("%.4f m", evaluation.ate_m.rmse)},
-      {"ATE median", number("%.4f m", evaluation.ate_m.median)},
-      {"ATE max", number("%.4f m", evaluation.ate_m.max)},
-  };
+void add_errors(const AbsoluteError& ate_m,
+                const std::array<std::optional<RelativeError>, kRelativeLengths.size()>& rpe,
+                const std::string& indent, Rows& rows) {
+  rows.push_back({indent + "ATE rmse", number("%.3f m", ate_m.rmse)});
+  rows.push_back({indent + "ATE median", number("%.3f m", ate_m.median)});
+  rows.push_back({indent + "ATE max", number("%.3f m", ate_m.max)});
   for (std::size_t i = 0; i < kRelativeLengths.size(); ++i)
-    rows.push_back({"RPE over " + number("%.0f m", kRelativeLengths[i]), relative_text(evaluation.rpe[i])});
-  rows.push_back({"KITTI 100 to 800 m", relative_text(evaluation.kitti)});
-  if (comparison.nees) rows.push_back({"NEES", nees_text(*comparison.nees)});
-  for (const Kidnap& kidnap : comparison.kidnaps.kidnaps) {
+    rows.push_back({indent + "RPE over " + number("%.0f m", kRelativeLengths[i]), relative_text(rpe[i])});
+}
+
+void add_kidnaps(const Comparison& comparison, Rows& rows) {
+  for (std::size_t i = 0; i < comparison.kidnaps.kidnaps.size(); ++i) {
+    const Kidnap& kidnap = comparison.kidnaps.kidnaps[i];
     const double since_start = kidnap.time_s - comparison.reference.front().time_s;
     rows.push_back({number("at %.1f s", since_start), kidnap_words(kidnap)});
+    if (i >= comparison.split.away.size() || !comparison.split.away[i].ate_m) continue;
+    const AwayError& away = comparison.split.away[i];
+    rows.push_back({"  error until back", std::to_string(away.poses) + " poses, " +
+                                              number("rmse %.2f m, ", away.ate_m->rmse) +
+                                              number("max %.2f m", away.ate_m->max)});
   }
+}
+
+}  // namespace
+
+Rows result_rows(const Comparison& comparison) {
+  const Evaluation& evaluation = comparison.evaluation;
+  Rows rows = {
+      {"poses", std::to_string(evaluation.poses)},
+      {"matched", std::to_string(evaluation.matched)},
+      {"length", number("%.1f m", evaluation.length_m)},
+  };
+  const bool split = is_split(comparison);
+  if (split) {
+    const TrackingError& tracking = *comparison.split.tracking;
+    rows.push_back({"while tracking", std::to_string(tracking.poses) + " poses"});
+    add_errors(tracking.ate_m, tracking.rpe, "  ", rows);
+  }
+  add_kidnaps(comparison, rows);
+  if (split) rows.push_back({"all poses", std::to_string(evaluation.matched) + " poses"});
+  add_errors(evaluation.ate_m, evaluation.rpe, split ? "  " : "", rows);
+  rows.push_back({std::string(split ? "  " : "") + "KITTI 100 to 800 m", relative_text(evaluation.kitti)});
+  if (comparison.nees) rows.push_back({"NEES", nees_text(*comparison.nees)});
   if (comparison.kidnaps.wrong_jumps)
     rows.push_back({"wrong jumps", std::to_string(*comparison.kidnaps.wrong_jumps)});
   return rows;
@@ -233,21 +286,23 @@ std::string trajectory_svg(const Comparison& comparison) {
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + size +
          "\" width=\"1000\" height=\"1020\">\n" + kSvgStyle +
          "<rect width=\"100%\" height=\"100%\" fill=\"#fafafa\"/>\n" + heading(comparison) +
-         seen_from_above(comparison) + over_the_way(comparison) + "</svg>\n";
+         seen_from_above(comparison) + height_over_the_way(comparison) + error_over_the_way(comparison) +
+         "</svg>\n";
 }
 
 std::string trajectory_html(const Comparison& comparison) {
   const std::string title = escaped(comparison.estimate_name + " against " + comparison.reference_name);
-  std::string html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>" +
-                     title +
-                     "</title>\n<style>\n"
-                     "body { font-family: \"DejaVu Sans\", Verdana, Helvetica, sans-serif; margin: 2em auto; "
-                     "max-width: 1000px; color: #202124; }\n"
-                     "svg { max-width: 100%; height: auto; }\n"
-                     "table { border-collapse: collapse; margin: 1em 76px; }\n"
-                     "td { padding: 0.3em 1.2em 0.3em 0; border-bottom: 1px solid #eceff1; }\n"
-                     "td + td { font-variant-numeric: tabular-nums; }\n</style>\n</head>\n<body>\n" +
-                     trajectory_svg(comparison) + "<table>\n";
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>" + title +
+      "</title>\n<style>\n"
+      "body { font-family: \"DejaVu Sans\", Verdana, Helvetica, sans-serif; margin: 2em; "
+      "color: #202124; display: flex; flex-wrap: wrap; gap: 2em; align-items: flex-start; }\n"
+      "svg { flex: 1 1 600px; max-width: 1000px; height: auto; }\n"
+      "table { border-collapse: collapse; }\n"
+      "td { padding: 0.3em 1.2em 0.3em 0; border-bottom: 1px solid #eceff1; white-space: pre; }\n"
+      "td + td { font-variant-numeric: tabular-nums; white-space: normal; }\n"
+      "</style>\n</head>\n<body>\n" +
+      trajectory_svg(comparison) + "<table>\n";
   for (const auto& [what, value] : result_rows(comparison))
     html += "<tr><td>" + escaped(what) + "</td><td>" + escaped(value) + "</td></tr>\n";
   return html + "</table>\n</body>\n</html>\n";

@@ -34,7 +34,8 @@ MatchRansac ransac_matches(const Matches& matches, const MatchRansacOptions& opt
   double enough = static_cast<double>(options.most_samples);
   for (; static_cast<double>(result.samples) < enough; ++result.samples) {
     Pose pose = Pose::Identity();
-    if (!pose_of_two(matches[draw()], matches[draw()], options.epsilon, pose)) continue;
+    const std::size_t second = draw(), first = draw();  // in this order with every compiler
+    if (!pose_of_two(matches[first], matches[second], options.epsilon, pose)) continue;
     const auto count = std::count_if(matches.begin(), matches.end(), [&](const Match& m) {
       return (pose * m.p - m.q).squaredNorm() <= options.epsilon * options.epsilon;
     });

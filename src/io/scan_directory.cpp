@@ -24,12 +24,16 @@ namespace fs = std::filesystem;
 constexpr double kMaxSeconds = 9e12;  // so that microseconds fit an int64
 constexpr std::int64_t kDefaultZero = 1000000;
 
+bool is_scan_extension(const std::string& extension) {
+  return extension == ".bin" || extension == ".pcd" || extension == ".ply";
+}
+
 /// The number at the end of the name of a scan file; nothing for any other file.
 std::optional<std::uint64_t> scan_number(const fs::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension != ".bin" && extension != ".pcd" && extension != ".ply") return std::nullopt;
+  if (!is_scan_extension(extension)) return std::nullopt;
   const std::string stem = path.stem().string();
   const std::size_t last_other = stem.find_last_not_of("0123456789");
   return parse_unsigned(std::string_view(stem).substr(last_other == std::string::npos ? 0 : last_other + 1));
@@ -66,14 +70,16 @@ std::string numbered(std::size_t number) {
   return buffer.data();
 }
 
-/// What a ScanDirectoryWriter left there, and nothing else.
-void remove_scans(const std::string& directory) {
+/// What a ScanDirectoryWriter of that extension left there, and nothing else.
+void remove_scans(const std::string& directory, const std::string& extension) {
   std::vector<fs::path> ours;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(directory, error)) {
-    if (is_scan_directory_name(entry.path().filename().string()))
+    const auto number = scan_number(entry.path());
+    const bool of_ours = is_scan_directory_name(entry.path().filename().string());
+    if (of_ours && (!number || entry.path().extension() == extension))
       ours.push_back(entry.path());
-    else if (scan_number(entry.path()))
+    else if (number)
       throw std::runtime_error(directory + ": holds scans of other names (" +
                                entry.path().filename().string() + "); name another directory");
   }
@@ -144,15 +150,18 @@ bool is_scan_directory_name(const std::string& name) {
   const fs::path path = name;
   const std::string stem = path.stem().string();
   const bool numbered_as_here = stem.size() >= 6 && stem.find_first_not_of("0123456789") == std::string::npos;
-  return name == "times.txt" || name == "ptime" || (numbered_as_here && path.extension() == ".bin");
+  return name == "times.txt" || name == "ptime" ||
+         (numbered_as_here && is_scan_extension(path.extension().string()));
 }
 
-ScanDirectoryWriter::ScanDirectoryWriter(const std::string& path, bool overwrite) : path_(path) {
+ScanDirectoryWriter::ScanDirectoryWriter(const std::string& path, bool overwrite,
+                                         const std::string& extension)
+    : path_(path), extension_(extension) {
   std::error_code error;
   fs::create_directories(path_, error);
   if (error) throw std::runtime_error(path_ + ": cannot make the directory: " + error.message());
   if (overwrite)
-    remove_scans(path_);
+    remove_scans(path_, extension_);
   else if (!fs::is_empty(path_, error) || error)
     throw std::runtime_error(path_ + ": the directory is not empty; name a new one");
 }
@@ -160,8 +169,8 @@ ScanDirectoryWriter::ScanDirectoryWriter(const std::string& path, bool overwrite
 void ScanDirectoryWriter::write(const Scan& scan) {
   const fs::path directory(path_);
   const std::string name = numbered(count_++);
-  write_cloud((directory / (name + ".bin")).string(), scan.points);
-  if (scan.points.has_times()) {
+  write_cloud((directory / (name + extension_)).string(), scan.points);
+  if (scan.points.has_times() && extension_ == ".bin") {
     std::error_code error;
     fs::create_directories(directory / "ptime", error);
     if (error) throw std::runtime_error((directory / "ptime").string() + ": " + error.message());

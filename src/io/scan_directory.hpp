@@ -45,26 +45,27 @@ class ScanDirectory {
   std::vector<std::int64_t> utimes_;
 };
 
-/// Writes a directory that ScanDirectory reads back: NNNNNN.bin, times.txt, and ptime/ where points have
-/// times.
+/// Writes a directory that ScanDirectory reads back: NNNNNN.bin (or .pcd, .ply), times.txt, and, where points
+/// have times and a .bin has no column for them, ptime/.
 class ScanDirectoryWriter {
  public:
-  /// Makes the directory. With `overwrite` what an earlier writer left in it is removed. Throws
-  /// std::runtime_error naming it when it cannot be made, when it is there and not empty, or, with
-  /// `overwrite`, when it holds scans of other names, which would mix with ours.
-  explicit ScanDirectoryWriter(const std::string& path, bool overwrite = false);
+  /// Makes the directory. With `overwrite` what an earlier writer of the same extension left in it is
+  /// removed. Throws std::runtime_error naming it when it cannot be made, when it is there and not empty, or,
+  /// with `overwrite`, when it holds scans of other names, which would mix with ours.
+  explicit ScanDirectoryWriter(const std::string& path, bool overwrite = false,
+                               const std::string& extension = ".bin");
   void write(const Scan& scan);
   /// Writes times.txt; call it after the last scan.
   void close();
   std::size_t size() const { return count_; }
 
  private:
-  std::string path_;
+  std::string path_, extension_;
   std::string times_;
   std::size_t count_ = 0;
 };
 
-/// Whether ScanDirectoryWriter may write an entry of this name into its directory.
+/// Whether a ScanDirectoryWriter may write an entry of this name into its directory.
 bool is_scan_directory_name(const std::string& name);
 
 }  // namespace scanlock

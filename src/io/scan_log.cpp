@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: MIT
 #include "io/scan_log.hpp"
 
+#include <filesystem>
 #include <optional>
 #include <set>
 #include <stdexcept>
 
+#include "io/cloud_file.hpp"
 #include "io/lcm_log.hpp"
 #include "io/log_poses.hpp"
 #include "messages/decode_scan.hpp"
@@ -64,6 +66,45 @@ std::string listed(const std::set<std::string>& names) {
   return list.empty() ? " no events" : list;
 }
 
+/// Reads the scans of a channel for as long as `take` returns true. Throws std::runtime_error naming file and
+/// channel when there is none.
+template <typename Take>
+ScanConversion read_scans(const std::string& log_path, const std::string& channel, const Progress& progress,
+                          const Take& take) {
+  LogReader reader(log_path);
+  ScanConversion result;
+  bool more = true;
+  const auto count = [&](const Scan& scan) {
+    if (!more) return;
+    ++result.scans;
+    result.points += scan.points.size();
+    more = take(scan);
+  };
+  SectorCollector collector;
+  std::set<std::string> channels;
+  while (const auto event = reader.next()) {
+    channels.insert(event->channel);
+    progress(reader.position(), reader.file_size());
+    if (event->channel != channel) continue;
+    DecodedScan decoded = decode_scan(event->data.data(), event->data.size());
+    if (decoded.fault != DecodeFault::kNone) {
+      if (result.rejected++ == 0) result.first_error = decoded.error;
+      continue;
+    }
+    result.left_out_points += decoded.nonfinite_points;
+    collector.add(std::move(decoded), count);
+    if (!more) break;
+  }
+  collector.flush(count);
+  result.incomplete = collector.incomplete();
+  result.damage = damage_sentence(reader);
+  if (result.scans > 0) return result;
+  if (result.rejected > 0)
+    throw std::runtime_error(log_path + ": channel " + channel + " holds no scan: " + result.first_error);
+  throw std::runtime_error(log_path + ": nothing on channel " + channel + "; the log has" + listed(channels) +
+                           " (choose with --channel)");
+}
+
 }  // namespace
 
 std::vector<std::vector<std::uint8_t>> encode_scan(const Scan& scan, ScanMessage type, std::int32_t number) {
@@ -101,41 +142,43 @@ ScanConversion directory_to_log(const ScanDirectory& directory, const std::strin
 }
 
 ScanConversion log_to_directory(const std::string& log_path, const std::string& channel,
-                                const std::string& directory_path, const Progress& progress, bool overwrite) {
-  LogReader reader(log_path);
+                                const std::string& directory_path, const Progress& progress, bool overwrite,
+                                const std::string& extension) {
   std::optional<ScanDirectoryWriter> writer;
-  ScanConversion result;
-  const auto take = [&](const Scan& scan) {
-    if (!writer) writer.emplace(directory_path, overwrite);
+  const ScanConversion result = read_scans(log_path, channel, progress, [&](const Scan& scan) {
+    if (!writer) writer.emplace(directory_path, overwrite, extension);
     writer->write(scan);
-    ++result.scans;
-    result.points += scan.points.size();
-  };
-  SectorCollector collector;
-  std::set<std::string> channels;
-  while (const auto event = reader.next()) {
-    channels.insert(event->channel);
-    progress(reader.position(), reader.file_size());
-    if (event->channel != channel) continue;
-    DecodedScan decoded = decode_scan(event->data.data(), event->data.size());
-    if (decoded.fault != DecodeFault::kNone) {
-      if (result.rejected++ == 0) result.first_error = decoded.error;
-      continue;
+    return true;
+  });
+  writer->close();
+  return result;
+}
+
+ScanConversion log_to_cloud(const std::string& log_path, const std::string& channel,
+                            const std::string& cloud_path, std::optional<std::size_t> number,
+                            const Progress& progress) {
+  const std::string on_channel = log_path + ": channel " + channel;
+  std::optional<PointCloud> chosen;
+  std::size_t seen = 0;
+  ScanConversion result = read_scans(log_path, channel, progress, [&](const Scan& scan) {
+    if (!number && seen > 0) {
+      const std::string extension = std::filesystem::path(cloud_path).extension().string();
+      throw std::runtime_error(on_channel + " holds more than one scan: --scan N takes one of them into " +
+                               cloud_path +
+                               " (the first is 0), a folder named as OUT takes all, with --format " +
+                               extension.substr(1) + "; scanlock-odometry LOG --map OUT.ply makes one cloud");
     }
-    result.left_out_points += decoded.nonfinite_points;
-    collector.add(std::move(decoded), take);
-  }
-  collector.flush(take);
-  result.incomplete = collector.incomplete();
-  result.damage = damage_sentence(reader);
-  if (writer) {
-    writer->close();
-    return result;
-  }
-  if (result.rejected > 0)
-    throw std::runtime_error(log_path + ": channel " + channel + " holds no scan: " + result.first_error);
-  throw std::runtime_error(log_path + ": nothing on channel " + channel + "; the log has" + listed(channels) +
-                           " (choose with --channel)");
+    if (seen == number.value_or(0)) chosen = scan.points;
+    ++seen;
+    return !number || !chosen;
+  });
+  if (!chosen)
+    throw std::runtime_error(on_channel + " holds " + std::to_string(seen) + " scans, the last is number " +
+                             std::to_string(seen - 1));
+  write_cloud(cloud_path, *chosen);
+  result.scans = 1;
+  result.points = chosen->size();
+  return result;
 }
 
 }  // namespace scanlock

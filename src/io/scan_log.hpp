@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,9 +39,16 @@ ScanConversion directory_to_log(const ScanDirectory& directory, const std::strin
 
 /// Writes the scans of a channel, of any type that scanlock accepts, into a new directory; a damaged log
 /// gives what can be read. Throws std::runtime_error naming file and channel when there is no scan; the
-/// directory is made only then when there is one. `overwrite`: see ScanDirectoryWriter.
+/// directory is made only then when there is one. `overwrite` and `extension`: see ScanDirectoryWriter.
 ScanConversion log_to_directory(const std::string& log_path, const std::string& channel,
                                 const std::string& directory_path, const Progress& progress,
-                                bool overwrite = false);
+                                bool overwrite = false, const std::string& extension = ".bin");
+
+/// Writes one scan of a channel into a cloud file, of any extension that write_cloud knows: that of `number`,
+/// counted from 0; where none is named, the only one. Throws std::runtime_error as above, and, naming what to
+/// do, when there is more than one to choose from, or none of that number.
+ScanConversion log_to_cloud(const std::string& log_path, const std::string& channel,
+                            const std::string& cloud_path, std::optional<std::size_t> number,
+                            const Progress& progress);
 
 }  // namespace scanlock

@@ -63,12 +63,14 @@ void add_rooms(Scene& scene, const Floor& floor, int column, int row, Random& ra
       }
   furnish_room(scene, x0 + kWall, split - kWall / 2, y0 + kWall, y1 - kWall, doors[0], random);
   furnish_room(scene, split + kWall / 2, x1 - kWall, y0 + kWall, y1 - kWall, doors[1], random);
-  if (random.chance(0.6))  // something on the corridor's wall, between the doors
-    add_block(scene, split - 0.6, split + 0.6, y1, y1 + random.uniform(0.15, 0.35), 0, random.uniform(0.9, 2),
-              0.5);
-  if (random.chance(0.4))
-    add_block(scene, x1, x1 + 0.25, y0 + 1, y0 + 1 + random.uniform(0.5, 1.5), 0, random.uniform(0.9, 2),
-              0.5);
+  if (random.chance(0.6)) {  // something on the corridor's wall, between the doors
+    const double height = random.uniform(0.9, 2), depth = random.uniform(0.15, 0.35);
+    add_block(scene, split - 0.6, split + 0.6, y1, y1 + depth, 0, height, 0.5);
+  }
+  if (random.chance(0.4)) {
+    const double height = random.uniform(0.9, 2), width = random.uniform(0.5, 1.5);
+    add_block(scene, x1, x1 + 0.25, y0 + 1, y0 + 1 + width, 0, height, 0.5);
+  }
 }
 
 void add_outer_walls(Scene& scene, const Floor& floor) {
@@ -103,7 +105,8 @@ Polyline plan_walk(const Floor& floor, double length, Random& random) {
     const int beyond = row + (random.chance(0.5) ? 1 : -1);
     if (dy[heading] == 0 && inside(column, beyond) && random.chance(0.6)) {
       const auto& doors = floor.doors[std::min(column, next_column)][std::min(row, beyond)];
-      const double door = doors[random.integer(0, 1)] + random.uniform(-0.08, 0.08);
+      const double middle = doors[random.integer(0, 1)];
+      const double door = middle + random.uniform(-0.08, 0.08);
       points.push_back({door, floor.y[row] + jitter()});
       points.push_back({door, floor.y[beyond] + jitter()});
       next_row = beyond;
@@ -137,7 +140,8 @@ World make_indoor(std::uint64_t seed, double seconds, const DriveStyle& style) {
   world.route = plan_walk(floor, needed_length(style, seconds), random);
   for (const double y : floor.y) {  // a person in each corridor
     const Polyline line({{floor.x.front(), y + 0.6}, {floor.x.back(), y + 0.6}});
-    world.movers.push_back(make_person(line, random.uniform(0, line.length()), random.uniform(0.7, 1.4)));
+    const double speed = random.uniform(0.7, 1.4), start = random.uniform(0, line.length());
+    world.movers.push_back(make_person(line, start, speed));
   }
   return world;
 }

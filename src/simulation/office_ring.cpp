@@ -64,7 +64,8 @@ void add_room(Scene& scene, const Ring& ring, double x0, double x1, double front
   furnish_room(scene, x0 + kWall, x1, low(kWall, depth), low(kWall, depth) + depth - kWall, door, random);
   if (kind != Front::kNone && random.chance(0.5)) {  // a cupboard in the corridor, beside the door
     const double from = door < (x0 + x1) / 2 ? x1 - random.uniform(0.7, 1.2) : x0 + 0.1;
-    block(from, from + 0.6, -random.uniform(0.15, 0.35), 0, 0, random.uniform(0.9, 2));
+    const double height = random.uniform(0.9, 2), cupboard = random.uniform(0.15, 0.35);
+    block(from, from + 0.6, -cupboard, 0, 0, height);
   }
 }
 
@@ -116,7 +117,8 @@ void add_side(Scene& scene, const Ring& ring, double length, const Eigen::Vector
 void add_people(World& world, const Polyline& lap, Random& random) {
   for (int i = 0; i < 6; ++i) {
     const Polyline path = (i % 2 == 0 ? lap : lap.reversed()).offset(random.uniform(-0.6, -0.4));
-    world.movers.push_back(make_person(path, random.uniform(0, path.length()), random.uniform(0.7, 1.4)));
+    const double speed = random.uniform(0.7, 1.4), start = random.uniform(0, path.length());
+    world.movers.push_back(make_person(path, start, speed));
   }
 }
 

@@ -124,7 +124,8 @@ World make_forest(std::uint64_t seed, const RouteExtent& extent, const DriveStyl
           static_cast<std::ptrdiff_t>(std::min<std::size_t>(world.route.points().size(), 3000))));
   const int trees = static_cast<int>(4 * kReach * kReach * kTreesPerSquareMetre);
   for (int i = 0; i < trees; ++i) {
-    const Eigen::Vector2d p(random.uniform(-kReach, kReach), random.uniform(-kReach, kReach));
+    const double y = random.uniform(-kReach, kReach), x = random.uniform(-kReach, kReach);
+    const Eigen::Vector2d p(x, y);
     const bool bush = random.chance(0.2);
     if (distance_to(round, p) < (bush ? 1.8 : 1.0) + aside) continue;
     const Eigen::Vector3d place = on_ground(world.scene, p);
@@ -223,10 +224,10 @@ World make_tunnel(std::uint64_t seed, double seconds, const DriveStyle& style) {
     world.scene.add(
         Box::upright(portal + Eigen::Vector3d(0.5, side * (kHalfWidth + 4), -2), 0, {1, 8, 12}, 0.6));
     for (int i = 0; i < 6; ++i) {
-      const Eigen::Vector2d p(random.uniform(-40, kPortal - 4), side * random.uniform(7, 25));
-      world.scene.add(Box::upright(on_ground(world.scene, p) - Eigen::Vector3d(0, 0, 1),
-                                   random.uniform(0, kPi),
-                                   {random.uniform(2, 9), random.uniform(2, 6), random.uniform(2, 7)}, 0.5));
+      const double y = side * random.uniform(7, 25), x = random.uniform(-40, kPortal - 4);
+      const Eigen::Vector3d bottom = on_ground(world.scene, {x, y}) - Eigen::Vector3d(0, 0, 1);
+      const Eigen::Vector3d size{random.uniform(2, 9), random.uniform(2, 6), random.uniform(2, 7)};
+      world.scene.add(Box::upright(bottom, random.uniform(0, kPi), size, 0.5));
     }
   }
   world.scene.build();

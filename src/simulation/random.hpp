@@ -21,7 +21,9 @@ inline double unit_interval(std::uint64_t bits) {
   return static_cast<double>(bits >> 11) * 0x1p-53;
 }
 
-/// Random numbers that are the same on every machine, which the distributions of <random> are not.
+/// Random numbers that are the same on every machine, which the distributions of <random> are not. Never draw
+/// twice in the arguments of one call, nor on both sides of an operator: compilers differ in which is first.
+/// Named locals and braces are evaluated in the order in which they stand.
 class Random {
  public:
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0, std::uint64_t substream = 0)

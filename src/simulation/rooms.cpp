@@ -46,7 +46,8 @@ void furnish_room(Scene& scene, double x0, double x1, double y0, double y1, doub
   const int pieces = random.integer(5, 11);
   for (int attempt = 0, placed = 0; attempt < 40 && placed < pieces; ++attempt) {
     const bool against_wall = random.chance(0.5), left = random.chance(0.5);
-    Eigen::Vector2d p(random.uniform(x0 + 0.6, x1 - 0.6), random.uniform(y0 + 0.6, y1 - 0.6));
+    const double y = random.uniform(y0 + 0.6, y1 - 0.6), x = random.uniform(x0 + 0.6, x1 - 0.6);
+    Eigen::Vector2d p(x, y);
     if (against_wall) p.x() = left ? x0 + 0.25 : x1 - 0.25;
     if (std::abs(p.x() - door) < (against_wall ? 1.1 : 1.75)) continue;
     ++placed;

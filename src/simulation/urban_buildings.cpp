@@ -52,9 +52,11 @@ void add_house(Scene& scene, const Lot& lot, Random& random) {
       if (random.chance(0.4))
         scene.add(lot.box(-lot.width / 2 + (i + 0.5) * bay, -1.1, 0.05, z - 0.1, 0.8 * bay, 1.1));
   }
-  if (random.chance(0.3))  // a porch
-    scene.add(lot.box(random.uniform(-0.3, 0.3) * lot.width, -random.uniform(0.6, 1.4), recess, -kSink,
-                      random.uniform(1.5, 2.6), kSink + 2.6));
+  if (random.chance(0.3)) {  // a porch
+    const double width = random.uniform(1.5, 2.6), depth = random.uniform(0.6, 1.4);
+    const double middle = random.uniform(-0.3, 0.3) * lot.width;
+    scene.add(lot.box(middle, -depth, recess, -kSink, width, kSink + 2.6));
+  }
 }
 
 bool is_clear(const StreetPlan& plan, std::size_t street, const Lot& lot) {
@@ -95,8 +97,10 @@ void add_buildings(Scene& scene, const StreetPlan& plan, std::size_t street, dou
       fence.origin = lot.world((side > 0 ? 1 : -1) * (lot.width + gap) / 2, 0, 0);
       fence.width = gap;
       fence.depth = 0.3;
-      if (random.chance(0.6) && is_clear(plan, street, fence))
-        scene.add(fence.box(0, 0, random.uniform(0.15, 0.6), -1, gap, 1 + random.uniform(0.8, 1.9)));
+      if (random.chance(0.6) && is_clear(plan, street, fence)) {
+        const double height = random.uniform(0.8, 1.9), thickness = random.uniform(0.15, 0.6);
+        scene.add(fence.box(0, 0, thickness, -1, gap, 1 + height));
+      }
       s += gap;
     }
   }

@@ -104,7 +104,9 @@ TEST_CASE("scanlock-command tells what became of a command") {
   drive_along(listener, 0, 4);
   CHECK(listener.odometry.front().pos[0] == doctest::Approx(-3.5).epsilon(0.05));
   CHECK(listener.odometry.front().quat[3] == doctest::Approx(std::sqrt(0.5)).epsilon(0.05));
-  CHECK(says({"-l", network.url(), "save", folder / "street.map"}).code == 0);
+  const Result saved = says({"-l", network.url(), "save", folder / "street.map"});
+  CHECK(saved.code == 0);
+  CHECK(saved.output == (folder / "street.map") + ": the map is saved\n");
   CHECK(std::filesystem::exists(folder / "street.map"));
   CHECK(says({"-l", network.url(), "load", folder / "street.map"}).code == 0);
   const Result missing = says({"-l", network.url(), "load", folder / "none.map"});

@@ -77,8 +77,9 @@ TEST_CASE("evaluate prints one JSON object with the members of the contract") {
   CHECK(lines(result.output) == 1);
   for (const char* part : {"{\"poses\":201,\"matched\":201,\"length_m\":200.0,\"ate_m\":{\"rmse\":1.1",
                            "\"median\":", "\"max\":2.0", "\"rpe\":{\"1m\":{\"percent\":1.0",
-                           "\"10m\":{\"percent\":", "\"100m\":{", "\"kitti\":{\"percent\":", "\"nees\":null,",
-                           "\"deg_per_m\":0.0", "\"recovery_s\":[]", "\"align\":\"none\"}"})
+                           "\"10m\":{\"percent\":", "\"100m\":{",
+                           "\"kitti\":{\"percent\":", "\"tracking\":{\"poses\":201,\"ate_m\":{\"rmse\":1.1",
+                           "\"nees\":null,", "\"deg_per_m\":0.0", "\"recovery_s\":[]", "\"align\":\"none\"}"})
     CHECK_MESSAGE(contains(result.output, part), part, " in ", result.output);
   CHECK(std::filesystem::file_size(folder / "p.svg") > 1000);
   const Result laid = run_line(folder, "scanlock-evaluate " + files);
@@ -107,6 +108,20 @@ TEST_CASE("convert carries trajectories to and fro and scans into a log that it 
   const Result wrong = run_line(folder, "scanlock-convert " + log + " " + (folder / "out"));
   CHECK(wrong.code == 1);
   CHECK(contains(wrong.errors, "nothing on channel LIDAR; the log has TOP"));
+
+  const Result several =
+      run_line(folder, "scanlock-convert " + log + " " + (folder / "a.pcd") + " --channel TOP");
+  CHECK(several.code == 1);
+  CHECK(contains(several.errors, "a folder named as OUT takes all, with --format pcd"));
+  CHECK_FALSE(std::filesystem::exists(folder / "a.pcd"));
+  const std::string second = " --channel TOP --scan 1";
+  CHECK(run_line(folder, "scanlock-convert " + log + " " + (folder / "a.pcd") + second).code == 0);
+  CHECK(read_cloud(folder / "a.pcd").x == cloud.x);
+  CHECK(run_line(folder, "scanlock-convert " + log + " " + (folder / "a.tum") + second).code == 2);
+  CHECK(run_line(folder, "scanlock-convert " + log + " " + (folder / "b.pcd") + " --scan -1").code == 2);
+  CHECK(run_line(folder, "scanlock-convert " + log + " " + (folder / "ply") + " --channel TOP --format ply")
+            .code == 0);
+  CHECK(read_cloud(folder / "ply/000002.ply").x == cloud.x);
 
   std::filesystem::resize_file(log, std::filesystem::file_size(log) - 1);
   const Result cut = run_line(folder, "scanlock-convert " + log + " " + (folder / "out") + " --channel TOP");

@@ -139,6 +139,27 @@ class LCM:
   CHECK(ran({"env", modules, "python3", kExamples + "subscribe.py", poses_url}) == heard);
 }
 
+TEST_CASE("the Python package goes where the python3 of the system finds it") {
+  const TemporaryFolder folder;
+  const std::string build = fs::path(SCANLOCK_BIN_DIR).parent_path().string();
+  if (!fs::exists("/etc/debian_version")) {
+    MESSAGE("skipped: no Debian");
+    return;
+  }
+  for (const std::string prefix : {"/usr/local", "/usr"}) {
+    CAPTURE(prefix);
+    const Result installed = run(folder, {"env", "DESTDIR=" + (folder / "root"), "cmake", "--install", build,
+                                          "--prefix", prefix, "--component", "python"});
+    REQUIRE(installed.code == 0);
+    const Result found = run(folder, {"/usr/bin/python3", "-c",
+                                      "import os, site; print(sum(os.path.exists('" + (folder / "root") +
+                                          "' + path + '/scanlock/odometry_t.py') for path in "
+                                          "site.getsitepackages()))"});
+    CHECK(found.output == "1\n");
+    fs::remove_all(folder / "root");
+  }
+}
+
 TEST_CASE("README shows the subscribers that the tests run") {
   const std::string readme = read_file(std::string(SCANLOCK_SOURCE_DIR) + "/README.md");
   for (const char* name : {"subscribe.cpp", "subscribe.py"}) {

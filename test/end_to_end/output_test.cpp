@@ -226,7 +226,7 @@ TEST_CASE("convert does not write one kind of file under the name of another") {
       {{"scanlock-convert", inputs.scans, inputs.folder / "out.tum"}, "go into a .lcmlog"},
       {{"scanlock-convert", inputs.scans, inputs.folder / "out.kitti"}, "go into a .lcmlog"},
       {{"scanlock-convert", inputs.log, inputs.folder / "out.lcmlog"}, "go into a directory"},
-      {{"scanlock-convert", inputs.log, inputs.folder / "out.ply"}, "go into a directory"}};
+      {{"scanlock-convert", inputs.log, inputs.folder / "out.ply"}, "holds more than one scan: --scan N"}};
   for (const auto& [command, words] : cases) {
     const Result result = run(inputs.folder, command);
     check_refusal(command, result);

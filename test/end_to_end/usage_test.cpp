@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <random>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -100,6 +101,57 @@ TEST_CASE("wrong usage is exit 2 and one line that names the program and what wa
     CHECK_MESSAGE(contains(result.errors, wrong.words), result.errors);
   }
   CHECK_FALSE(fs::exists("a.lcmlog"));
+}
+
+TEST_CASE("a picture is SVG, and no other format is written under its name") {
+  const TemporaryFolder folder;
+  const std::string cloud = folder / "cloud.ply", tum = folder / "a.tum", picture = folder / "x.png";
+  scanlock::write_cloud(cloud, corner(1));
+  scanlock::write_tum(tum, scanlock::Trajectory(3));
+  for (const CommandLine& command : {CommandLine{"scanlock-align", cloud, cloud, "--picture", picture},
+                                     CommandLine{"scanlock-evaluate", tum, tum, "--picture", picture}}) {
+    const Result result = run(folder, command);
+    CHECK(result.code == 1);
+    CHECK(result.output.empty());
+    CHECK(contains(result.errors, picture + ": pictures are written as SVG; name it " + (folder / "x.svg")));
+    CHECK_FALSE(fs::exists(picture));
+  }
+}
+
+TEST_CASE("what people read is labelled and has few digits; the transform alone is for a script") {
+  const TemporaryFolder folder;
+  const std::string cloud = folder / "cloud.ply", log = folder / "a.lcmlog";
+  scanlock::write_cloud(cloud, corner(1));
+  const Result aligned = run(folder, {"scanlock-align", cloud, cloud, "--method", "robust-icp-plane"});
+  CHECK(aligned.code == 0);
+  CHECK(std::count(aligned.output.begin(), aligned.output.end(), '\n') == 4);
+  CHECK(contains(aligned.errors, "\ninlier ratio             1\n"));
+  CHECK(contains(aligned.errors, "\naxes left open           none\n"));
+  CHECK(contains(aligned.errors, " MB\n"));
+  REQUIRE(run(folder, {"scanlock-simulate", "--world", "indoor", "--lidar", "planar", "--seconds", "1", log})
+              .code == 0);
+  const Result odometry = run(folder, {"scanlock-odometry", log});
+  CHECK(odometry.code == 0);
+  CHECK(contains(odometry.output, "scans            10, poses 10, way "));
+  CHECK(contains(odometry.output, "\ntime of a scan   p50 "));
+  for (const std::string& text : {aligned.errors, odometry.output}) {
+    CHECK(text.find_first_of("{}[]\"") == std::string::npos);  // no JSON
+    CHECK_FALSE(std::regex_search(text, std::regex("[1-9][0-9.]{6}")));
+  }
+}
+
+TEST_CASE("scanlock-spy names all that it lacks at once, with the command that installs it") {
+  const TemporaryFolder folder;
+  const std::string spy = folder / "bin/scanlock-spy";
+  fs::create_directory(folder / "bin");
+  fs::copy_file(SCANLOCK_BIN_DIR "/scanlock-spy", spy);  // a copy has no scanlock.jar beside it
+  const Result result = run(folder, {"env", "DISPLAY=", spy});
+  CHECK(result.code == 1);
+  CHECK(std::count(result.errors.begin(), result.errors.end(), '\n') == 1);
+  CHECK(contains(result.errors, "scanlock-spy: missing: scanlock.jar (built where a JDK and lcm.jar are)"));
+  CHECK(contains(result.errors, "sudo apt install default-jdk"));
+  CHECK(contains(result.errors, "libjchart2d-java") == contains(result.errors, ", jchart2d.jar"));
+  CHECK(contains(result.errors, ", then run cmake and build again\n"));
 }
 
 TEST_CASE("scripts tell their help and wrong usage without installing or building anything") {

@@ -120,7 +120,7 @@ TEST_CASE("page is self-contained and holds the numbers") {
   CHECK(count(html, "<svg") == 1);
   CHECK(count(html, "src=") == 0);
   CHECK(count(html, "<tr>") == result_rows(comparison).size());
-  CHECK(count(html, "0.5000 m") >= 1);  // the shift by half a metre
+  CHECK(count(html, "0.500 m") >= 1);  // the shift by half a metre
 }
 
 TEST_CASE("what the covariances are worth is one row, where it is known") {
@@ -151,7 +151,19 @@ TEST_CASE("a kidnap is marked and what does not track is drawn apart") {
   CHECK(count(svg, "kidnapped 9.") == 1);
   CHECK(count(svg, "not back") == 1);
   CHECK(count(svg, "class=\"lost\"") == 1 + 1);
+  comparison.split = split_errors(comparison.pairs, comparison.states, comparison.kidnaps, Overlay::kNone);
+  CHECK(is_balanced(trajectory_svg(comparison)));
+  CHECK(count(trajectory_svg(comparison), "error, tracking (m)") == 1);
+  CHECK(count(trajectory_svg(comparison), "while tracking: rmse 0.5") == 1);
   const auto rows = result_rows(comparison);
+  const auto value_of = [&](const std::string& what) {
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const auto& r) { return r.first == what; });
+    return row == rows.end() ? "no such row" : row->second;
+  };
+  CHECK(value_of("while tracking") == "300 poses");
+  CHECK(value_of("  ATE rmse") == "0.500 m");  // the first of them; that of all poses follows
+  CHECK(value_of("  error until back").substr(0, 9) == "300 poses");
+  CHECK(value_of("all poses") == "600 poses");
   CHECK(rows.back().first == "wrong jumps");
   CHECK(rows.back().second == "1");  // it claims to track where it is not
 }

@@ -9,6 +9,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "io/cloud_file.hpp"
 #include "io/lcm_log.hpp"
 #include "io/log_info.hpp"
 #include "recordings.hpp"
@@ -122,6 +123,54 @@ TEST_CASE("a channel without scans is an error that names the channels there are
   CHECK_THROWS_WITH_AS(log_to_directory(directory / "a.lcmlog", "NOISE", directory / "out", no_progress),
                        doctest::Contains("channel NOISE holds no scan"), std::runtime_error);
   CHECK_FALSE(std::filesystem::exists(directory / "out"));
+}
+
+TEST_CASE("scans leave a log as pcd and ply, too, with the times of their points") {
+  TemporaryDirectory directory;
+  write_scans(directory / "in", 2);
+  const ScanDirectory in(directory / "in", {});
+  directory_to_log(in, directory / "a.lcmlog", "LIDAR", ScanMessage::kPointcloud2, no_progress);
+  for (const std::string extension : {".pcd", ".ply"}) {
+    CAPTURE(extension);
+    const std::string out = directory / ("out" + extension);  // a folder may have any name
+    CHECK(log_to_directory(directory / "a.lcmlog", "LIDAR", out, no_progress, false, extension).scans == 2);
+    CHECK(std::filesystem::exists(out + "/000001" + extension));
+    CHECK_FALSE(std::filesystem::exists(out + "/ptime"));
+    const ScanDirectory back(out, {});
+    REQUIRE(back.size() == 2);
+    CHECK(back.read(1).utime == in.read(1).utime);
+    CHECK(back.read(1).points.x == in.read(1).points.x);
+    CHECK(back.read(1).points.intensity == in.read(1).points.intensity);
+    CHECK(back.read(1).points.time == in.read(1).points.time);
+    CHECK_THROWS_WITH_AS(log_to_directory(directory / "a.lcmlog", "LIDAR", out, no_progress, true),
+                         doctest::Contains("holds scans of other names"), std::runtime_error);
+    CHECK(log_to_directory(directory / "a.lcmlog", "LIDAR", out, no_progress, true, extension).scans == 2);
+  }
+}
+
+TEST_CASE("one scan leaves a log as a cloud, chosen by its number where there are more") {
+  TemporaryDirectory directory;
+  const std::string log = directory / "a.lcmlog", cloud = directory / "a.pcd";
+  write_scans(directory / "in", 3);
+  const ScanDirectory in(directory / "in", {});
+  directory_to_log(in, log, "LIDAR", ScanMessage::kSectors, no_progress);
+  CHECK_THROWS_WITH_AS(log_to_cloud(log, "LIDAR", cloud, {}, no_progress),
+                       doctest::Contains("holds more than one scan: --scan N"), std::runtime_error);
+  CHECK_THROWS_WITH_AS(log_to_cloud(log, "LIDAR", cloud, 3, no_progress),
+                       doctest::Contains("holds 3 scans, the last is number 2"), std::runtime_error);
+  CHECK_THROWS_WITH_AS(log_to_cloud(log, "TOP", cloud, 0, no_progress),
+                       doctest::Contains("nothing on channel TOP; the log has LIDAR"), std::runtime_error);
+  CHECK_FALSE(std::filesystem::exists(cloud));
+  for (const int number : {0, 2}) {
+    const ScanConversion result =
+        log_to_cloud(log, "LIDAR", cloud, static_cast<std::size_t>(number), no_progress);
+    CHECK(result.scans == 1);
+    CHECK(result.points == 20000);
+    CHECK(read_cloud(cloud).z[0] == doctest::Approx(number).epsilon(1e-3));  // its height is its number
+  }
+  write_scans(directory / "one", 1);
+  directory_to_log(ScanDirectory(directory / "one", {}), log, "LIDAR", ScanMessage::kPointcloud, no_progress);
+  CHECK(log_to_cloud(log, "LIDAR", directory / "b.ply", {}, no_progress).points == 20000);
 }
 
 TEST_CASE("log info tells channels and types and rates and gaps") {

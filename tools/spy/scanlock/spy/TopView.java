@@ -7,13 +7,16 @@ import java.awt.Color;
 import java.awt.Graphics;
 import java.awt.Graphics2D;
 import java.awt.Point;
+import java.awt.Rectangle;
 import java.awt.RenderingHints;
+import java.awt.Window;
 import java.awt.event.MouseAdapter;
 import java.awt.event.MouseEvent;
 import java.awt.event.MouseWheelEvent;
 import javax.swing.JDesktopPane;
 import javax.swing.JInternalFrame;
 import javax.swing.JPanel;
+import javax.swing.SwingUtilities;
 import javax.swing.event.InternalFrameAdapter;
 import javax.swing.event.InternalFrameEvent;
 import lcm.lcm.LCM;
@@ -21,6 +24,7 @@ import lcm.lcm.LCMSubscriber;
 
 /** The plane seen from above, x to the right and y up, in metres, with a grid. Wheel: zoom; drag: move; double-click: fit. */
 abstract class TopView extends JPanel implements LCMSubscriber {
+  private static final int PLACE_STEP = 20;  // pixels
   private double centreX, centreY, pixelsPerMetre;
   private boolean fitting = true;
   private volatile String heading = "waiting for messages";
@@ -123,11 +127,30 @@ abstract class TopView extends JPanel implements LCMSubscriber {
     });
     desktop.add(frame);
     frame.setVisible(true);
+    moveToFreePlace(SwingUtilities.getWindowAncestor(desktop));
     try {
       frame.setMaximum(true);  // the spy opens a window with a desktop of its own for us
     } catch (java.beans.PropertyVetoException stay) {
       frame.setSize(480, 360);
     }
     LCM.getSingleton().subscribe(literal, this);
+  }
+
+  /** Where no other window of the spy is, as long as there is room; many a desktop puts all into one corner. */
+  private static void moveToFreePlace(Window window) {
+    Rectangle screen = window.getGraphicsConfiguration().getBounds();
+    Rectangle place = window.getBounds();
+    for (place.y = screen.y; place.y + place.height <= screen.y + screen.height; place.y += PLACE_STEP)
+      for (place.x = screen.x; place.x + place.width <= screen.x + screen.width; place.x += PLACE_STEP)
+        if (isFree(place, window)) {
+          window.setLocation(place.x, place.y);
+          return;
+        }
+  }
+
+  private static boolean isFree(Rectangle place, Window own) {
+    for (Window other : Window.getWindows())
+      if (other != own && other.isShowing() && place.intersects(other.getBounds())) return false;
+    return true;
   }
 }
