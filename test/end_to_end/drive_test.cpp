@@ -109,24 +109,11 @@ TEST_SUITE("long drives") {
     }
   }
 
-  TEST_CASE("a robot that stops in a wood is not taken for one that turns") {
-    const std::vector<Step> steps =
-        simulated_drive(72, 7001, {}, 0, WorldKind::kForest);  // it stands from 64 s on
-    int tracking = 0;  // the others are DEGRADED: few trees hold it as nearly as that is promised
-    for (std::size_t i = 1; i < steps.size(); ++i) {
-      CHECK(steps[i].tracked.method == PoseMethod::kIcp);
-      CHECK(std::abs(steps[i].tracked.twist[5]) < 1.5);
-      tracking += steps[i].tracked.state == TrackingState::kTracking;
-    }
-    CHECK(tracking > static_cast<int>(0.7 * static_cast<double>(steps.size())));
-    CHECK(steps.back().metres_off() < 0.4);
-  }
-
   TEST_CASE("lap after lap of a corridor the map is the same and no larger, and it is the true one") {
     SimulationConfig config;
     config.world = WorldKind::kIndoor;
     config.lidar = LidarKind::kPlanar;
-    config.laps = 3;
+    config.laps = all_trials() ? 3 : 2;
     config.speed_mps = 1.5;
     config.seed = 5;
     Simulator simulator(config);
@@ -155,4 +142,18 @@ TEST_SUITE("long drives") {
     CHECK(worst < 0.25);
     CHECK(last < 0.1);
   }
+}
+
+TEST_CASE("a robot that stops in a wood is not taken for one that turns" *
+          doctest::test_suite("longest drives")) {
+  const std::vector<Step> steps =
+      simulated_drive(72, 7001, {}, 0, WorldKind::kForest);  // it stands from 64 s on
+  int tracking = 0;  // the others are DEGRADED: few trees hold it as nearly as that is promised
+  for (std::size_t i = 1; i < steps.size(); ++i) {
+    CHECK(steps[i].tracked.method == PoseMethod::kIcp);
+    CHECK(std::abs(steps[i].tracked.twist[5]) < 1.5);
+    tracking += steps[i].tracked.state == TrackingState::kTracking;
+  }
+  CHECK(tracking > static_cast<int>(0.7 * static_cast<double>(steps.size())));
+  CHECK(steps.back().metres_off() < 0.4);
 }
