@@ -3,13 +3,31 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <initializer_list>
+#include <vector>
 
-/// How many of `count` like trials to make. The sanitisers, which are ten times slower, look for other faults
-/// than wrong answers: a tenth of the trials shows those.
-constexpr int trials(int count) {
+/// Whether all trials, seeds and frames of a test case are run (SCANLOCK_ALL_TRIALS, which tools/check --all
+/// sets), or some that stand for them. The sanitisers, which are ten times slower, look for other faults than
+/// wrong answers: few trials show those.
 #ifdef __SANITIZE_ADDRESS__
-  return std::max(count / 10, std::min(count, 2));
+constexpr bool kSanitised = true;
 #else
-  return count;
+constexpr bool kSanitised = false;
 #endif
+
+inline bool all_trials() {
+  return !kSanitised && std::getenv("SCANLOCK_ALL_TRIALS") != nullptr;
+}
+
+/// How many of `count` like trials to make: all, or a quarter, or under the sanitisers a tenth, but at
+/// least 2.
+inline int trials(int count) {
+  return all_trials() ? count : std::max(count / (kSanitised ? 10 : 4), std::min(count, 2));
+}
+
+/// All seeds, or the first one.
+inline std::vector<std::uint64_t> seeds(std::initializer_list<std::uint64_t> all) {
+  return {all.begin(), all_trials() ? all.end() : all.begin() + 1};
 }

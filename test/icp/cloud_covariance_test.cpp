@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "../trials.hpp"
 #include "cloud_samples.hpp"
 #include "geometry/linear.hpp"
 #include "icp/cloud_alignment.hpp"
@@ -24,8 +25,8 @@ TEST_CASE("the normalised error squared is that of six degrees of freedom over m
   for (const Setting setting : {Setting{1500, 0.01}, Setting{1500, 0.03}, Setting{4000, 0.01}}) {
     for (const std::string method : {"icp-plane", "robust-icp-plane", "robust-symmetric-icp"}) {
       double sum = 0;
-      constexpr int kTrials = 40;
-      for (int trial = 0; trial < kTrials; ++trial) {
+      const int count = trials(40);
+      for (int trial = 0; trial < count; ++trial) {
         Random random(static_cast<unsigned>(100 + trial));
         const PointCloud cloud = room(random, setting.points, setting.noise);
         const PointCloud other = room(random, setting.points, setting.noise);
@@ -36,7 +37,7 @@ TEST_CASE("the normalised error squared is that of six degrees of freedom over m
         const Vector6 error = se3_log(result.target_from_source.inverse() * truth);
         sum += error.dot(solve(result.covariance, error));
       }
-      const double nees = sum / kTrials;
+      const double nees = sum / count;
       CAPTURE(method);
       CAPTURE(setting.points);
       CAPTURE(setting.noise);
@@ -71,19 +72,20 @@ TEST_CASE("errors that neighbours share are no independent errors" * doctest::te
   options.nu_min = 0.03;  // above what the surfaces are off by
   for (const std::string method : {"icp-plane", "robust-icp-plane"}) {
     double sum = 0;
-    constexpr int kTrials = 20;
-    for (unsigned trial = 0; trial < kTrials; ++trial) {
-      CloudTarget target(warped(2 * trial));
+    const int count = trials(20);
+    for (int trial = 0; trial < count; ++trial) {
+      const auto seed = static_cast<unsigned>(2 * trial);
+      CloudTarget target(warped(seed));
       target.prepare_normals();
-      const CloudAlignment result = align_clouds(moved(warped(2 * trial + 1), truth.inverse()), target,
+      const CloudAlignment result = align_clouds(moved(warped(seed + 1), truth.inverse()), target,
                                                  Pose::Identity(), *find_cloud_method(method), options);
       const Vector6 error = se3_log(result.target_from_source.inverse() * truth);
       sum += error.dot(solve(result.covariance, error));
     }
     CAPTURE(method);
-    INFO("NEES " << sum / kTrials << " of 6");
-    CHECK(sum / kTrials > 1.0);
-    CHECK(sum / kTrials < 12.0);
+    INFO("NEES " << sum / count << " of 6");
+    CHECK(sum / count > 1.0);
+    CHECK(sum / count < 12.0);
   }
 }
 

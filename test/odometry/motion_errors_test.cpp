@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <random>
 
+#include "../trials.hpp"
 #include "odometry/motion_filter.hpp"
 
 namespace scanlock {
@@ -95,7 +96,7 @@ Matrix12 strong_data() {
 /// Of the pose, over its degrees of freedom: one where the covariance is right.
 double normalised_error(double assumed, double share) {
   double sum = 0;
-  const int drives = 120, scans = 60;
+  const int drives = trials(120), scans = 60;
   int count = 0;
   for (int d = 0; d < drives; ++d) {
     FilteredDrive drive(static_cast<unsigned>(d + 1));

@@ -1,0 +1,136 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "command_line.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+
+#include "daemon/nearest_name.hpp"
+
+namespace scanlock {
+namespace {
+
+/// Else the first file that is opened would be standard output, and results would be printed into it.
+void occupy_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    const int wrong_way = stream == STDIN_FILENO ? O_WRONLY : O_RDONLY;  // whoever uses it gets an error
+    if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", wrong_way) < 0) _exit(1);
+  }
+}
+
+std::string nearest_flag(const CLI::App& app, const std::string& letters) {
+  std::vector<std::string> known;
+  for (const CLI::Option* option : app.get_options())
+    known.insert(known.end(), option->get_lnames().begin(), option->get_lnames().end());
+  return nearest_name(letters, known);
+}
+
+/// What was wrong with the arguments. An unknown flag explains whatever else is missing or too much.
+std::string sentence_of(const CLI::ParseError& error, const CLI::App& app) {
+  const std::string see_help = "; see " + app.get_name() + " --help";
+  for (const std::string& word : app.remaining()) {
+    const std::size_t first_letter = word.find_first_not_of('-');
+    if (first_letter == 0) continue;               // a value too many
+    if (first_letter == std::string::npos) break;  // what follows -- is no flag
+    const std::string flag = word.substr(0, word.find('='));
+    const std::string nearest = nearest_flag(app, flag.substr(first_letter));
+    return flag + ": unknown flag" + (nearest.empty() ? see_help : "; did you mean --" + nearest + "?");
+  }
+  return error.what() + see_help;
+}
+
+}  // namespace
+
+void check_standard_output(bool good) {
+  if (good) return;
+  const char* const reason = errno != 0 ? std::strerror(errno) : "an earlier write failed";
+  throw std::runtime_error(std::string("standard output cannot be written: ") + reason);
+}
+
+void print(const std::string& text) {
+  check_standard_output(std::fwrite(text.data(), 1, text.size(), stdout) == text.size());
+}
+
+void check_picture_path(const std::string& path) {
+  const std::filesystem::path name(path);
+  std::string extension = name.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension.empty() || extension == ".svg") return;
+  throw std::runtime_error(path + ": pictures are written as SVG; name it " +
+                           std::filesystem::path(name).replace_extension(".svg").string());
+}
+
+CLI::Validator number_from_zero(bool zero_too) {
+  const auto check = [zero_too](const std::string& text) {
+    double value = 0;
+    const bool number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+    if (number && (zero_too ? value >= 0 : value > 0)) return std::string();
+    return text + (zero_too ? " is no number of 0 or more" : " is no number above 0");
+  };
+  return CLI::Validator(check, "");
+}
+
+CLI::Validator channel_name() {
+  constexpr std::size_t kLongest = 63;  // LCM's own limit
+  const auto check = [](const std::string& text) {
+    if (!text.empty() && text.size() <= kLongest) return std::string();
+    return "'" + text + "' is no channel: 1 to 63 characters";
+  };
+  return CLI::Validator(check, "");
+}
+
+void explain(CLI::App& app, std::string text, const std::vector<std::string>& examples) {
+  if (!text.empty()) text += "\n\n";
+  text += examples.size() > 1 ? "Examples:" : "Example:";
+  for (const std::string& example : examples) text += "\n  " + example;
+  app.footer(text);
+}
+
+void say(const char* program, const char* sentence) {
+  std::fprintf(stderr, "%s: %s\n", program, sentence);
+}
+
+int run_program(const char* program, const char* description, int argc, char** argv,
+                const std::function<void(CLI::App&)>& declare, const std::function<int()>& work) {
+  occupy_standard_streams();
+  try {
+    std::cerr.tie(nullptr);  // it would flush standard output, and nobody would look at what came of that
+    CLI::App app(description, program);
+    app.set_help_flag("-h,--help", "print this help and exit");
+    app.set_version_flag("-V,--version", std::string(program) + " " + SCANLOCK_VERSION,
+                         "print the version and exit");
+    declare(app);
+    int code = 0;
+    try {
+      app.parse(argc, argv);
+      code = work();
+    } catch (const CLI::CallForVersion& version) {
+      print(std::string(version.what()) + "\n");
+    } catch (const CLI::Success&) {
+      print(app.help());
+    } catch (const CLI::ParseError& error) {
+      say(program, sentence_of(error, app).c_str());
+      return 2;
+    } catch (const UsageError& error) {
+      say(program, (error.what() + std::string("; see ") + program + " --help").c_str());
+      return 2;
+    }
+    errno = 0;
+    check_standard_output(std::fflush(stdout) == 0 && std::ferror(stdout) == 0);
+    return code;
+  } catch (const std::exception& error) {
+    say(program, error.what());
+    return 1;
+  }
+}
+
+}  // namespace scanlock
