@@ -24,7 +24,8 @@ struct Step {
 /// A drive with a vlp16, through rooms unless another world is named; searches are answered at once.
 /// From 14 s on stamps are `clock_step` microseconds off.
 std::vector<Step> simulated_drive(double seconds, std::uint64_t seed, const std::vector<const char*>& events,
-                                  std::int64_t clock_step = 0, WorldKind world = WorldKind::kIndoor) {
+                                  std::int64_t clock_step = 0, WorldKind world = WorldKind::kIndoor,
+                                  double until_s = 1e9) {
   SimulationConfig config;
   config.world = world;
   config.seconds = seconds;
@@ -35,7 +36,8 @@ std::vector<Step> simulated_drive(double seconds, std::uint64_t seed, const std:
   MapWorker worker(TrackerConfig{});
   Pose first_from_world = Pose::Identity();
   std::vector<Step> steps;
-  while (auto simulated = simulator.next()) {
+  for (auto simulated = simulator.next(); simulated && simulated->time_s < until_s;
+       simulated = simulator.next()) {
     if (steps.size() >= 140) simulated->scan.utime += clock_step;
     if (steps.empty()) first_from_world = simulated->world_from_body.inverse();
     steps.push_back({mapper.track(simulated->scan), first_from_world * simulated->world_from_body});
@@ -146,14 +148,13 @@ TEST_SUITE("long drives") {
 
 TEST_CASE("a robot that stops in a wood is not taken for one that turns" *
           doctest::test_suite("longest drives")) {
-  const std::vector<Step> steps =
-      simulated_drive(72, 7001, {}, 0, WorldKind::kForest);  // it stands from 64 s on
+  // It stands from 66 to 69 s.
+  const std::vector<Step> steps = simulated_drive(90, 7001, {}, 0, WorldKind::kForest, 76);
   int tracking = 0;  // the others are DEGRADED: few trees hold it as nearly as that is promised
   for (std::size_t i = 1; i < steps.size(); ++i) {
     CHECK(steps[i].tracked.method == PoseMethod::kIcp);
-    CHECK(std::abs(steps[i].tracked.twist[5]) < 1.5);
+    CHECK(steps[i].metres_off() < 0.4);
     tracking += steps[i].tracked.state == TrackingState::kTracking;
   }
   CHECK(tracking > static_cast<int>(0.7 * static_cast<double>(steps.size())));
-  CHECK(steps.back().metres_off() < 0.4);
 }
