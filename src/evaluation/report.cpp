@@ -69,8 +69,10 @@ Range range_of(const std::vector<double>& values, double least, double margin) {
   return {middle - half, middle + half};
 }
 
-/// How the picture lays the estimate over the reference.
+/// How the picture lays the estimate over the reference: by all tracked poses, for a few before a kidnap say
+/// little of the attitude.
 const Pose& picture_overlay(const Comparison& comparison) {
+  if (is_split(comparison)) return comparison.split.tracking->reference_from_estimate;
   return comparison.kidnaps.kidnaps.empty() ? comparison.evaluation.reference_from_estimate
                                             : comparison.kidnaps.reference_from_estimate;
 }
@@ -172,9 +174,7 @@ std::string height_over_the_way(const Comparison& comparison) {
 /// The errors of the tracked poses, in pieces; of all, where no other is known.
 std::vector<Points2> error_pieces(const Comparison& comparison) {
   const bool split = is_split(comparison);
-  const std::vector<double> errors =
-      position_errors(comparison.pairs, split ? comparison.split.tracking->reference_from_estimate
-                                              : picture_overlay(comparison));
+  const std::vector<double> errors = position_errors(comparison.pairs, picture_overlay(comparison));
   std::vector<Points2> pieces;
   bool joined = false;  // with the one before
   for (std::size_t i = 0; i < comparison.pairs.size(); ++i) {
