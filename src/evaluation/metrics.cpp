@@ -54,6 +54,14 @@ void add_stretch(const PosePair& from, const PosePair& to, double way_m, Relativ
   ++sum.stretches;
 }
 
+void add_stretches(const PosePairs& pairs, double length_m, RelativeError& sum) {
+  for (std::size_t first = 0; first < pairs.size(); ++first) {
+    const std::size_t last = end_of_stretch(pairs, first, length_m);
+    if (last == pairs.size()) break;
+    add_stretch(pairs[first], pairs[last], pairs[last].way_m - pairs[first].way_m, sum);
+  }
+}
+
 std::optional<RelativeError> mean_of(RelativeError sum) {
   if (sum.stretches == 0) return std::nullopt;
   sum.percent /= static_cast<double>(sum.stretches);
@@ -92,13 +100,15 @@ AbsoluteError absolute_error(const std::vector<double>& errors) {
           sorted.back()};
 }
 
+std::optional<RelativeError> relative_error(const std::vector<PosePairs>& runs, double length_m) {
+  RelativeError sum;
+  for (const PosePairs& run : runs) add_stretches(run, length_m, sum);
+  return mean_of(sum);
+}
+
 std::optional<RelativeError> relative_error(const PosePairs& pairs, double length_m) {
   RelativeError sum;
-  for (std::size_t first = 0; first < pairs.size(); ++first) {
-    const std::size_t last = end_of_stretch(pairs, first, length_m);
-    if (last == pairs.size()) break;
-    add_stretch(pairs[first], pairs[last], pairs[last].way_m - pairs[first].way_m, sum);
-  }
+  add_stretches(pairs, length_m, sum);
   return mean_of(sum);
 }
 

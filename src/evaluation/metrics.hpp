@@ -43,6 +43,8 @@ struct RelativeError {
 /// estimate), divided by the way really covered. Nothing when the way is too short for a single stretch. No
 /// overlay changes it.
 std::optional<RelativeError> relative_error(const PosePairs& pairs, double length_m);
+/// Over the stretches within each of the runs.
+std::optional<RelativeError> relative_error(const std::vector<PosePairs>& runs, double length_m);
 
 /// As KITTI's development kit does it: stretches of 100, 200 .. 800 m from every tenth pair, mean over all of
 /// them.

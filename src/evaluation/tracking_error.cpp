@@ -36,22 +36,6 @@ std::vector<PosePairs> tracked_runs(const PosePairs& pairs, const std::vector<ch
   return runs;
 }
 
-std::optional<RelativeError> relative_error_within(const std::vector<PosePairs>& runs, double length_m) {
-  RelativeError sum;
-  for (const PosePairs& run : runs) {
-    const auto error = relative_error(run, length_m);
-    if (!error) continue;
-    const double weight = static_cast<double>(error->stretches);
-    sum.percent += weight * error->percent;
-    sum.deg_per_m += weight * error->deg_per_m;
-    sum.stretches += error->stretches;
-  }
-  if (sum.stretches == 0) return std::nullopt;
-  sum.percent /= static_cast<double>(sum.stretches);
-  sum.deg_per_m /= static_cast<double>(sum.stretches);
-  return sum;
-}
-
 std::optional<TrackingError> tracking_error(const PosePairs& pairs, const std::vector<char>& tracked,
                                             Overlay kind) {
   const std::vector<PosePairs> runs = tracked_runs(pairs, tracked);
@@ -63,7 +47,7 @@ std::optional<TrackingError> tracking_error(const PosePairs& pairs, const std::v
   error.reference_from_estimate = overlay(all, kind);
   error.ate_m = absolute_error(position_errors(all, error.reference_from_estimate));
   for (std::size_t i = 0; i < kRelativeLengths.size(); ++i)
-    error.rpe[i] = relative_error_within(runs, kRelativeLengths[i]);
+    error.rpe[i] = relative_error(runs, kRelativeLengths[i]);
   return error;
 }
 

@@ -147,7 +147,7 @@ TEST_SUITE("long drives") {
 }
 
 TEST_CASE("a robot that stops in a wood is not taken for one that turns" *
-          doctest::test_suite("longest drives")) {
+          doctest::test_suite("long drives") * doctest::skip(!all_trials())) {
   // It stands from 66 to 69 s.
   const std::vector<Step> steps = simulated_drive(90, 7001, {}, 0, WorldKind::kForest, 76);
   int tracking = 0;  // the others are DEGRADED: few trees hold it as nearly as that is promised

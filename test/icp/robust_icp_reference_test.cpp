@@ -72,6 +72,14 @@ struct SmallCase {
   }
 };
 
+reference::RobustIcpOptions small_options() {
+  reference::RobustIcpOptions options;
+  options.nu_max = 0.6;
+  options.nu_min = 0.03;
+  options.epsilon = 1e-9;
+  return options;
+}
+
 SmallCase small_case(unsigned seed) {
   Random random(seed);
   const PointCloud cloud = room(random, 70);
@@ -93,10 +101,7 @@ TEST_CASE("robust point-to-point comes to the minimum of the printed algorithm 1
   for (int seed = 0; seed < trials(50); ++seed) {
     CAPTURE(seed);
     const SmallCase it = small_case(static_cast<unsigned>(seed));
-    reference::RobustIcpOptions options;
-    options.nu_max = 0.6;
-    options.nu_min = 0.03;
-    options.epsilon = 1e-9;
+    const reference::RobustIcpOptions options = small_options();
     const auto energy = [&](const Pose& pose) {
       const auto nearest = reference::correspondence(it.p, it.q, pose);
       return reference::energy(it.p, reference::selected(it.q, nearest), pose, options.nu_min);
@@ -115,11 +120,8 @@ TEST_CASE("robust point-to-plane comes to the minimum of the printed algorithm 2
   for (int seed = 0; seed < trials(50); ++seed) {
     CAPTURE(seed);
     const SmallCase it = small_case(static_cast<unsigned>(seed));
-    reference::RobustIcpOptions options;
-    options.nu_max = 0.6;
-    options.nu_min = 0.03;
+    reference::RobustIcpOptions options = small_options();
     options.most_iterations = 200;
-    options.epsilon = 1e-9;
     const auto energy = [&](const Pose& pose) {
       return reference::plane_energy(it.p, it.q, it.n, se3_log(pose), options.nu_min);
     };
