@@ -13,20 +13,18 @@ namespace scanlock {
 namespace {
 
 // Of the usual share of inliers, what a place has to have to be a rival, and what to win: rooms that look
-// alike have 0.85 to 0.93. Where the search leaves little doubt, more of what is seen may be new ground.
-constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kSoundShare = 0.75, kClearShare = 0.65,
-                 kTwiceShare = 0.25, kStandingShare = 0.3;
+// alike have 0.85 to 0.93. Where searches leave little doubt, more of what is seen may be new ground.
+constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kSoundShare = 0.75, kKnownShare = 0.3;
 constexpr double kUnknownShare = 0.5;  // the usual one, before a second scan
 constexpr int kWins = 3;               // scans in a row
 constexpr int kMissesAllowed = 1;
 // What the excursion has drifted since the search may be farther off than an alignment reaches that looks
 // near. So many places are looked for farther off on one scan, for it takes time; all are in kWins scans.
 constexpr int kFarLooks = 2;
-constexpr int kMostScans = 8;                          // scans in which it has to be decided
-constexpr double kClearly = 1.3;                       // times the cost of the leader, and
-constexpr double kAtLeast = 0.03;                      // that much more: clearly worse
-constexpr double kHopeless = 2.0;                      // times the cost: out
-constexpr std::uint32_t kOnTheGround = 1u | 2u | 32u;  // x, y, yaw
+constexpr int kMostScans = 8;      // scans in which it has to be decided
+constexpr double kClearly = 1.3;   // times the cost of the leader, and
+constexpr double kAtLeast = 0.03;  // that much more: clearly worse
+constexpr double kHopeless = 2.0;  // times the cost: out
 
 /// Whether two corrections put a body that is predicted there to about the same pose. (Their own translations
 /// say nothing: they grow with the distance from the map's origin.)
@@ -54,10 +52,9 @@ Contest::Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evid
     places_.back().winners_share = kWinnersShare;
   }
   Place& favourite = places_.front();
-  if (evidence == PlaceEvidence::kSound) favourite.least_share = favourite.winners_share = kSoundShare;
-  if (evidence == PlaceEvidence::kClear) favourite.least_share = favourite.winners_share = kClearShare;
-  if (evidence == PlaceEvidence::kTwice) {
-    favourite.least_share = favourite.winners_share = kTwiceShare;
+  if (evidence >= PlaceEvidence::kSound) favourite.least_share = favourite.winners_share = kSoundShare;
+  if (evidence == PlaceEvidence::kSure) {
+    favourite.least_share = favourite.winners_share = kKnownShare;
     favourite.most_score = kHopelessScore;
   }
 }
@@ -76,7 +73,7 @@ void Contest::note_standing(const Pose& map_from_predicted, const Excursion& exc
     if (!same_place(rival->map_from_predicted, map_from_predicted, predicted, kSamePlace, kSameHeading))
       continue;
     rival->standing = true;
-    rival->least_share = kStandingShare;
+    rival->least_share = kKnownShare;
   }
 }
 

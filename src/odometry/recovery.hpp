@@ -52,7 +52,7 @@ enum class PlaceEvidence : std::int8_t {
   kSome,
   kSound,  ///< nearly all that was seen is there, and nothing contradicts
   kClear,  ///< it has far more matches than any other place, too
-  kTwice   ///< two witnesses name it, and nothing contradicts: searches, or a search and the prediction
+  kSure    ///< kSureWitnesses name it
 };
 
 /// Of what was seen, the share that contradicts a place (see CloudFit) which is sound nevertheless.
@@ -60,12 +60,17 @@ inline constexpr double kSoundContradiction = 0.015;
 
 /// Metres and radians: poses so near each other are the same place.
 inline constexpr double kSamePlace = 0.5, kSameHeading = 3.0 * kDegree;
+/// The axes that tell places apart, as bits (see Degeneracy): x, y and yaw.
+inline constexpr std::uint32_t kOnTheGround = 0b100011;
 
 /// Earlier finds that have to say the same as one which is not clear by itself; with a planar sensor one room
 /// is soon like another.
 inline constexpr std::ptrdiff_t kAgreeing = 1, kPlanarAgreeing = 3;
-/// Finds that are remembered, and places that are tried at once: a cap on their cost.
-inline constexpr std::size_t kMostPlaces = 5;
+/// Witnesses that name a place and find nothing that contradicts it, so that it is sure: searches from
+/// different keyframes, and the matches, where far more hold it than any other.
+inline constexpr std::ptrdiff_t kSureWitnesses = 3;
+/// Places that are tried at once, and finds that are remembered: caps on their cost.
+inline constexpr std::size_t kMostPlaces = 5, kMostFinds = 20;
 
 /// What a search found.
 struct RecoveryAnswer {

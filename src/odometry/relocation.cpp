@@ -197,24 +197,32 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   }
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
   const bool planar = excursion_->planar(), clear = answer.evidence == PlaceEvidence::kClear;
-  const auto agreeing = std::count_if(earlier_finds_.begin(), earlier_finds_.end(), [&](const Pose& other) {
-    return agree(other, answer.map_from_predicted, kAgreeMetres, kAgreeRadians);
-  });
+  const bool sound = !planar && answer.contradiction <= kSoundContradiction;
+  const std::size_t keyframes = excursion_->seen().keyframes().size();
+  std::size_t counted = clear ? 0 : keyframes;
+  std::ptrdiff_t agreeing = 0, witnesses = clear ? 2 : 1;
+  for (const Find& other : earlier_finds_) {
+    if (!agree(other.map_from_predicted, answer.map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
+    ++agreeing;
+    // A robot that stands sees the same again.
+    if (!other.sound || other.keyframes == counted) continue;
+    counted = other.keyframes;
+    ++witnesses;
+  }
   const bool too_little = planar && little;
   const bool enough = planar ? !too_little && agreeing >= kPlanarAgreeing : clear || agreeing >= kAgreeing;
   std::vector<Pose> places = rivals_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
-  if (!too_little) earlier_finds_.insert(earlier_finds_.begin(), answer.map_from_predicted);
-  earlier_finds_.resize(std::min(earlier_finds_.size(), kMostPlaces));
+  if (!too_little)
+    earlier_finds_.insert(earlier_finds_.begin(), {answer.map_from_predicted, sound, keyframes});
+  if (earlier_finds_.size() > kMostFinds) earlier_finds_.pop_back();
   if (!enough) {
     ended_ = recovery_of(answer);
     ended_->reason.insert(0, planar ? "more searches have to agree: " : "a second search has to agree: ");
     return;
   }
   cover(places, archive, voxel, odometer);
-  const bool twice = answer.contradiction <= kSoundContradiction && !planar && clear && agreeing >= kAgreeing;
-  const PlaceEvidence evidence = twice ? PlaceEvidence::kTwice : answer.evidence;
-  Contest contest(places, evidence);
+  Contest contest(places, sound && witnesses >= kSureWitnesses ? PlaceEvidence::kSure : answer.evidence);
   for (const Pose& standing : answer.standing) contest.note_standing(standing, *excursion_);
   candidate_ = Candidate{std::move(contest), std::move(answer)};
 }
@@ -239,16 +247,15 @@ void Relocation::cover(const std::vector<Pose>& places, const KeyframeArchive& a
 /// decide it.
 std::vector<Pose> Relocation::rivals_of(const RecoveryAnswer& answer) const {
   std::vector<Pose> rivals;
-  for (const std::vector<Pose>& some : {undecided_, answer.rivals, earlier_finds_}) {
-    for (const Pose& place : some) {
-      const auto is_place = [&](const Pose& other) {
-        return agree(other, place, kTakenPlace, kTakenHeading);
-      };
-      const bool taken =
-          is_place(answer.map_from_predicted) || std::any_of(rivals.begin(), rivals.end(), is_place);
-      if (!taken && rivals.size() + 1 < kMostPlaces) rivals.push_back(place);
-    }
-  }
+  const auto add = [&](const Pose& place) {
+    const auto is_place = [&](const Pose& other) { return agree(other, place, kTakenPlace, kTakenHeading); };
+    const bool taken =
+        is_place(answer.map_from_predicted) || std::any_of(rivals.begin(), rivals.end(), is_place);
+    if (!taken && rivals.size() + 1 < kMostPlaces) rivals.push_back(place);
+  };
+  for (const Pose& place : undecided_) add(place);
+  for (const Pose& place : answer.rivals) add(place);
+  for (const Find& find : earlier_finds_) add(find.map_from_predicted);
   return rivals;
 }
 

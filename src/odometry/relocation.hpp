@@ -79,6 +79,12 @@ class Relocation {
     Contest contest;
     std::optional<RecoveryAnswer> answer;  ///< of the search; none: felt, or said
   };
+  /// What a search found likeliest.
+  struct Find {
+    Pose map_from_predicted;
+    bool sound;             ///< nothing contradicts it
+    std::size_t keyframes;  ///< that the excursion had by then
+  };
   void depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer);
   void feel(std::int64_t utime, const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
   Outcome confirm(const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
@@ -101,7 +107,7 @@ class Relocation {
   double gate_m_ = 0, gate_rad_ = 0;  ///< how far the prediction may be off where the excursion began
   double energy_before_ = 1;
   std::optional<Candidate> candidate_;
-  std::vector<Pose> earlier_finds_;  ///< likeliest places of this excursion's searches, the newest first
+  std::vector<Find> earlier_finds_;  ///< of this excursion's searches, the newest first
   std::vector<Pose> undecided_;      ///< places that fitted its scans alike
   PlaceSearch search_;
   std::optional<Recovery> ended_;
