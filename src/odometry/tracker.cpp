@@ -70,6 +70,7 @@ struct Tracker::State {
 
   Sighting last_trusted;
   int distrusted_scans = 0;  // in a row
+  bool open = false;  // before them its place was not known, as in a tunnel: there is none to come back to
   bool looks_alike = false;  // one of them fits, but the last trusted one says that it is of another place
   int quiet_scans_left = 0;
 
@@ -234,12 +235,14 @@ struct Tracker::State {
       return;
     }
     relocation.distrust(now, dt, scan, *odometer, attempt.health.energy);
+    if (relocation.lost() && open) begin_submap(scan, tracked);
   }
 
   void believe(const PreparedScan& scan, const Attempt& attempt) {
     odometer->accept(attempt);
     distrusted_scans = 0;
     looks_alike = false;
+    open = unknown_axes(odometer->pose_covariance(), kOnTheGround, kSamePlace, kSameHeading) != 0;
     last_trusted = sighting(now, scan, odometer->state());
     // What the map explains little of, a crowd or dust, may be gone the next moment.
     if (attempt.health.share < kDegradedShare) last_trusted.rays = {};
@@ -299,7 +302,7 @@ struct Tracker::State {
     if (hints.level_from_body) relocation.note_up(up_in_body(hints));
     finished(Stage::kAlign);
     if (outcome == Relocation::Outcome::kLost) {
-      if (relocation.gives_up())
+      if (relocation.gives_up() || open)
         begin_submap(scan, tracked);
       else
         describe(attempt, PoseMethod::kPredicted, tracked);
@@ -321,15 +324,20 @@ struct Tracker::State {
     describe(attempt, found ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
   }
 
-  /// What was seen since the robot got lost is its map from now on.
+  /// What was seen since the robot got lost is its map from now on. Where its pose was open it has not
+  /// jumped: that is as uncertain as before.
   void begin_submap(const PreparedScan& scan, TrackedScan* tracked) {
     Excursion& excursion = relocation.excursion();
+    const Matrix6 uncertain = odometer->pose_covariance() + odometer->drift();
     moved_away = archive.begin_submap(excursion.seen());
     describe(excursion.attempt(), PoseMethod::kIcp, tracked);
     odometer = excursion.take_odometer();
     relocation.end();
     ++submap;
-    ++epoch;
+    if (open)
+      odometer->set_drift(uncertain);
+    else
+      ++epoch;
     attitudes = 0;
     up = Eigen::Vector3d::UnitZ();
     jumped = looks_alike = false;
@@ -478,7 +486,7 @@ void Tracker::set_pose(const Pose& map_from_body) {
   s.last_trusted = Sighting();
   s.last_trusted.map_from_body = here;
   s.last_trusted.utime = s.now;
-  s.begun = false;
+  s.begun = s.open = false;
   if (!s.archive.knows(here.translation())) {  // a new start
     s.state = TrackingState::kInitialising;
     return;

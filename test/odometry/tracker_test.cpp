@@ -45,9 +45,9 @@ TrackerConfig tunnel_config() {
   return config;
 }
 
-/// A tunnel of 8 x 6 m that begins with a wall, seen by sixteen beams `way(t)` metres along it.
+/// A tunnel 6 m high that begins with a wall, seen by sixteen beams `way(t)` metres along it.
 template <class Way>
-Scan tunnel_scan(int i, const Way& way) {
+Scan tunnel_scan(int i, const Way& way, double width = 8) {
   std::mt19937 rng(static_cast<unsigned>(i));
   std::normal_distribution<double> noise(0, 0.02);
   Scan scan;
@@ -58,7 +58,7 @@ Scan tunnel_scan(int i, const Way& way) {
       const double elevation = (2 * beam - 15) * kDegree, x = way(0.1 * i + time);
       const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
                                 std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-      const double side = std::max(std::abs(ray.y()) / 4, std::abs(ray.z()) / 3);
+      const double side = std::max(std::abs(ray.y()) / (width / 2), std::abs(ray.z()) / 3);
       const double wall = ray.x() < 0 ? (-10 - x) / ray.x() : 1e9;
       const double range = std::min(1 / side, wall) + noise(rng);
       if (range > 60) continue;
@@ -432,6 +432,21 @@ TEST_CASE("in a tunnel the robot goes on as it came, and says that it does not s
   CHECK(tracked.map_from_body.translation().tail<2>().norm() < 0.5);
   CHECK(tracked.twist[0] == doctest::Approx(speed).epsilon(0.05));
   CHECK(std::sqrt(tracked.covariance(0, 0)) > 0.3);  // metres: it knows that it does not know
+}
+
+TEST_CASE("a tunnel that looks another way than the map of it is not taken for another place") {
+  const Frame frame = each_frame();
+  const auto way = [](double t) { return 200 + 8 * t; };  // metres: nothing shows the motion
+  FramedTracker tracker(tunnel_config(), frame);
+  tracker.track(tunnel_scan(0, way));
+  for (int i = 1; i < 30; ++i) {
+    const TrackedScan tracked = tracker.track(tunnel_scan(i, way, i < 15 ? 8 : 6));
+    CAPTURE(i);
+    CHECK(tracked.state == TrackingState::kDegraded);
+    CHECK(tracked.method == (i == 15 ? PoseMethod::kPredicted : PoseMethod::kIcp));
+    CHECK(tracked.epoch == 0);
+    if (i >= 14) CHECK(std::sqrt(tracked.covariance(0, 0)) > 14);  // metres, as before
+  }
 }
 
 TEST_CASE("in a tunnel odometry says how far the robot went" * doctest::test_suite("long drives")) {
