@@ -14,7 +14,7 @@ namespace {
 
 // Of the usual share of inliers, what a place has to have to be a rival, and what to win: rooms that look
 // alike have 0.85 to 0.93. Where searches leave little doubt, more of what is seen may be new ground.
-constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kSoundShare = 0.75, kKnownShare = 0.3;
+constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kSoundShare = 0.65, kKnownShare = 0.3;
 constexpr double kUnknownShare = 0.5;  // the usual one, before a second scan
 constexpr int kWins = 3;               // scans in a row
 constexpr int kMissesAllowed = 1;
