@@ -96,7 +96,9 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
     return attempt.health.usual_share > 0 ? attempt.health.usual_share : kUnknownShare;
   };
   const auto fits = [&](const Attempt& attempt) {
+    // What the robot has seen on its way explains the scan, too: a place that does so much worse is another.
     return explains(attempt, place.most_score) &&
+           (expected_ || attempt.health.energy <= kHopeless * attempt.health.baseline + kAtLeast) &&
            attempt.health.share >= place.least_share * usual(attempt) &&
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   };
