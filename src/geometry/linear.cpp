@@ -10,13 +10,12 @@
 namespace scanlock {
 namespace {
 
-/// Column by column: for several at once, Eigen adds in an order that depends on the processor's registers.
-template <int kSize, typename Factors>
-Eigen::Matrix<double, kSize, kSize> columns_of_inverse(const Factors& factors) {
-  Eigen::Matrix<double, kSize, kSize> inverse;
-  for (int i = 0; i < kSize; ++i)
-    inverse.col(i) = factors.solve(Eigen::Matrix<double, kSize, 1>::Unit(i).eval());
-  return inverse;
+/// Of 12 and 18 axes: one LDLT for both, for each takes seconds to compile. On the stack.
+using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 18, 18>;
+using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 18, 1>;
+
+Column solve(const Square& a, const Column& b) {
+  return a.ldlt().solve(b);
 }
 
 }  // namespace
@@ -26,19 +25,27 @@ Vector6 solve(const Matrix6& a, const Vector6& b) {
 }
 
 Vector12 solve(const Matrix12& a, const Vector12& b) {
-  return a.ldlt().solve(b);
+  return solve(Square(a), Column(b));
 }
 
 Vector18 solve(const Matrix18& a, const Vector18& b) {
-  return a.ldlt().solve(b);
+  return solve(Square(a), Column(b));
 }
 
+// Column by column: for several at once, Eigen adds in an order that depends on the processor's registers.
+
 Matrix12 inverse(const Matrix12& a) {
-  return columns_of_inverse<12>(a.ldlt());
+  const Eigen::LDLT<Square> factors(a);
+  Matrix12 inverse;
+  for (int i = 0; i < 12; ++i) inverse.col(i) = factors.solve(Column(Vector12::Unit(i)));
+  return inverse;
 }
 
 Matrix6 inverse(const Matrix6& a) {
-  return columns_of_inverse<6>(a.partialPivLu());
+  const Eigen::PartialPivLU<Matrix6> factors(a);
+  Matrix6 inverse;
+  for (int i = 0; i < 6; ++i) inverse.col(i) = factors.solve(Vector6::Unit(i).eval());
+  return inverse;
 }
 
 Matrix6 cholesky(const Matrix6& a) {

@@ -26,7 +26,7 @@ void check(const Square<kAxes>& a) {
   CAPTURE(a);
   const double size = std::max(a.cwiseAbs().maxCoeff(), std::numeric_limits<double>::denorm_min());
   const SymmetricEigen<kAxes> ours = symmetric_eigen(a);
-  const Eigen::SelfAdjointEigenSolver<Square<kAxes>> judge(a);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> judge(a);
   CHECK((ours.values - judge.eigenvalues()).cwiseAbs().maxCoeff() <= 1e-14 * size);
   for (int k = 1; k < kAxes; ++k) CHECK(ours.values[k - 1] <= ours.values[k]);
   const Square<kAxes> v = ours.vectors;

@@ -6,8 +6,7 @@
 // [u; delta], as in the rest of this project; the print has [delta; u].
 #pragma once
 
-#include <Eigen/Cholesky>
-
+#include "geometry/linear.hpp"
 #include "plane_jacobian.hpp"
 #include "robust_point_icp.hpp"
 
@@ -46,7 +45,7 @@ inline Vector6 g_ppl(const Points& p, const Points& q, const Points& n, const Ve
     // Correction of equation 25: the print has B - J^T T. The linearisation (24) vanishes for J^T T - B.
     right += gamma * j * (j.dot(t) - b);
   }
-  return left.ldlt().solve(right);
+  return solve(left, right);
 }
 
 inline Pose robust_plane_icp(const Points& p, const Points& q, const Points& n, const Pose& start,
