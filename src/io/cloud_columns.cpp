@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace scanlock {
 namespace {
@@ -92,21 +93,34 @@ CloudArray array_for(std::string_view column, ScalarType type) {
   return nullptr;
 }
 
-CloudTable::CloudTable(const std::vector<CloudArray>& columns, std::size_t points) {
-  for (const CloudArray array : columns) {
-    if (array != nullptr) (cloud_.*array).resize(points);
+CloudTable::CloudTable(std::vector<CloudArray> columns, std::size_t points, const TakePoints& take)
+    : columns_(std::move(columns)), take_(take), left_(points) {
+  begin_part();
+}
+
+void CloudTable::begin_part() {
+  part_ = std::min(left_, kPartPoints);
+  point_ = 0;
+  cloud_ = PointCloud();
+  targets_.clear();
+  for (const CloudArray array : columns_) {
+    if (array != nullptr) (cloud_.*array).resize(part_);
     targets_.push_back(array != nullptr ? (cloud_.*array).data() : nullptr);
   }
 }
 
-PointCloud CloudTable::take() {
+void CloudTable::hand_on() {
+  if (point_ == 0) return;
+  for (const CloudArray array : columns_)
+    if (array != nullptr) (cloud_.*array).resize(point_);
   if (cloud_.nx.empty() || cloud_.ny.empty() || cloud_.nz.empty()) {
     cloud_.nx.clear();
     cloud_.ny.clear();
     cloud_.nz.clear();
   }
-  targets_.clear();
-  return std::move(cloud_);
+  left_ -= point_;
+  take_(std::move(cloud_));
+  begin_part();
 }
 
 std::string missing_coordinate(const std::vector<CloudArray>& columns) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "geometry/point_cloud.hpp"
+#include "io/cloud_file.hpp"
 
 // What .ply and .pcd have in common: a table with named columns of any scalar type.
 namespace scanlock {
@@ -39,21 +40,31 @@ float to_float(double value);
 using CloudArray = std::vector<float> PointCloud::*;
 CloudArray array_for(std::string_view column, ScalarType type);
 
-/// Writes the values of the columns that we use into a cloud of known size.
+/// Gathers the values of the columns that we use, point by point, and hands them on in clouds of many points.
 class CloudTable {
  public:
-  /// One entry for each column, null for those to be left out. Allocates `points` floats for each used
-  /// column: the caller has checked that number. With a column named twice the last wins.
-  CloudTable(const std::vector<CloudArray>& columns, std::size_t points);
+  /// One entry for each column, null for those to be left out. `points`: as many as there will be, which the
+  /// caller has checked; memory is taken for a part of them. With a column named twice the last wins.
+  CloudTable(std::vector<CloudArray> columns, std::size_t points, const TakePoints& take);
 
-  bool uses(std::size_t column) const { return targets_[column] != nullptr; }
-  void set(std::size_t column, std::size_t point, double value) { targets_[column][point] = to_float(value); }
-  /// The cloud; normals are kept only when all three components were there. The table is empty afterwards.
-  PointCloud take();
+  bool uses(std::size_t column) const { return columns_[column] != nullptr; }
+  void set(std::size_t column, double value) { targets_[column][point_] = to_float(value); }
+  /// All columns of a point were set.
+  void end_point() {
+    if (++point_ == part_) hand_on();
+  }
+  /// After the last point. Normals are handed on only when all three components were there.
+  void hand_on();
 
  private:
+  void begin_part();
+
+  std::vector<CloudArray> columns_;
+  const TakePoints& take_;
   PointCloud cloud_;
   std::vector<float*> targets_;
+  std::size_t left_;                  ///< points to come, with those of this part
+  std::size_t part_ = 0, point_ = 0;  ///< points of this part, and those that are complete
 };
 
 /// The name of the coordinate that is missing among the columns, or empty.

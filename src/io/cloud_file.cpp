@@ -7,6 +7,7 @@
 #include <cctype>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include "io/cloud_formats.hpp"
 #include "io/file_bytes.hpp"
@@ -16,7 +17,7 @@ namespace {
 
 struct Format {
   const char* extension;
-  PointCloud (*parse)(const std::string& path, const std::vector<std::uint8_t>& bytes);
+  void (*parse)(const std::string& path, ByteSource& source, const TakePoints& take);
   std::string (*format)(const PointCloud& cloud);
 };
 constexpr std::array<Format, 5> kFormats = {{
@@ -37,11 +38,34 @@ const Format& format_of(const std::string& path) {
   throw std::runtime_error(path + ": unknown kind of cloud; use .bin, .ply, .pcd, .xyz or .txt");
 }
 
+/// Both have the same attributes.
+void append(const PointCloud& part, PointCloud* all) {
+  for (const auto array : {&PointCloud::x, &PointCloud::y, &PointCloud::z, &PointCloud::nx, &PointCloud::ny,
+                           &PointCloud::nz, &PointCloud::intensity, &PointCloud::time})
+    (all->*array).insert((all->*array).end(), (part.*array).begin(), (part.*array).end());
+}
+
 }  // namespace
 
 PointCloud read_cloud(const std::string& path) {
+  PointCloud all;
+  read_cloud(path, [&](PointCloud&& part) {
+    if (all.empty())
+      all = std::move(part);
+    else
+      append(part, &all);
+  });
+  return all;
+}
+
+void read_cloud(const std::string& path, const TakePoints& take,
+                const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   const Format& format = format_of(path);
-  return format.parse(path, read_file_bytes(path));
+  ByteSource source(path);
+  format.parse(path, source, [&](PointCloud&& part) {
+    take(std::move(part));
+    if (progress) progress(source.offset(), source.offset() + source.left());
+  });
 }
 
 void write_cloud(const std::string& path, const PointCloud& cloud) {

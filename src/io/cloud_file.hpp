@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <string>
 
 #include "geometry/point_cloud.hpp"
@@ -23,6 +26,16 @@ namespace scanlock {
 /// is damaged or does not hold what its header promises; it never allocates more than the size of the file
 /// justifies.
 PointCloud read_cloud(const std::string& path);
+
+/// Takes the points of a file, in clouds of kPartPoints and a last one of what is left.
+using TakePoints = std::function<void(PointCloud&& part)>;
+inline constexpr std::size_t kPartPoints = 1u << 18;
+
+/// The same for a file that need not fit into memory: its points are handed on in the order of the file, and
+/// no more than a part of them is held, but for .pcd with binary_compressed, which is held as a whole. What
+/// was handed on before an error is of the file, too. `progress`: bytes read, and bytes in all.
+void read_cloud(const std::string& path, const TakePoints& take,
+                const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 
 /// Writes all that the cloud has and the format can hold; .ply and .pcd are written binary, with `time` as
 /// above. A .bin without intensities gets zeros. Throws std::runtime_error naming the path when the write

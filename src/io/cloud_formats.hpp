@@ -2,19 +2,20 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
 #include <string>
-#include <vector>
 
 #include "geometry/point_cloud.hpp"
+#include "io/byte_source.hpp"
+#include "io/cloud_file.hpp"
 
-// The formats behind cloud_file.hpp, one file each; `path` is for the errors only.
+// The formats behind cloud_file.hpp, one file each; `path` is for the errors only. Points are handed on in
+// parts.
 namespace scanlock {
 
-PointCloud parse_kitti_bin(const std::string& path, const std::vector<std::uint8_t>& bytes);
-PointCloud parse_ply(const std::string& path, const std::vector<std::uint8_t>& bytes);
-PointCloud parse_pcd(const std::string& path, const std::vector<std::uint8_t>& bytes);
-PointCloud parse_xyz(const std::string& path, const std::vector<std::uint8_t>& bytes);
+void parse_kitti_bin(const std::string& path, ByteSource& source, const TakePoints& take);
+void parse_ply(const std::string& path, ByteSource& source, const TakePoints& take);
+void parse_pcd(const std::string& path, ByteSource& source, const TakePoints& take);
+void parse_xyz(const std::string& path, ByteSource& source, const TakePoints& take);
 
 std::string format_kitti_bin(const PointCloud& cloud);
 std::string format_ply(const PointCloud& cloud);

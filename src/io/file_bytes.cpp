@@ -29,7 +29,7 @@ int open_special(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::vector<std::uint8_t> read_file_bytes(const std::string& path) {
+std::ifstream open_file(const std::string& path, std::size_t* size) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::not_found)
@@ -40,7 +40,14 @@ std::vector<std::uint8_t> read_file_bytes(const std::string& path) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error(path + ": cannot open: " + std::strerror(errno));
-  std::vector<std::uint8_t> bytes(std::filesystem::file_size(path));
+  *size = std::filesystem::file_size(path);
+  return file;
+}
+
+std::vector<std::uint8_t> read_file_bytes(const std::string& path) {
+  std::size_t size = 0;
+  std::ifstream file = open_file(path, &size);
+  std::vector<std::uint8_t> bytes(size);
   file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (!file)
     throw std::runtime_error(path + ": cannot read all of its " + std::to_string(bytes.size()) + " bytes");

@@ -7,19 +7,21 @@
 
 namespace scanlock {
 
-PointCloud parse_kitti_bin(const std::string& path, const std::vector<std::uint8_t>& bytes) {
+void parse_kitti_bin(const std::string& path, ByteSource& source, const TakePoints& take) {
   constexpr std::size_t kPointSize = 16;
-  const std::size_t points = bytes.size() / kPointSize;
-  if (points * kPointSize != bytes.size())
+  const std::size_t bytes = source.left(), points = bytes / kPointSize;
+  if (points * kPointSize != bytes)
     fail_at_byte(path, points * kPointSize,
-                 "the file ends within a point (" + std::to_string(bytes.size()) +
+                 "the file ends within a point (" + std::to_string(bytes) +
                      " bytes are no multiple of 16): cut short, or not a KITTI scan");
-  CloudTable table({&PointCloud::x, &PointCloud::y, &PointCloud::z, &PointCloud::intensity}, points);
+  CloudTable table({&PointCloud::x, &PointCloud::y, &PointCloud::z, &PointCloud::intensity}, points, take);
   for (std::size_t i = 0; i < points; ++i) {
-    for (std::size_t c = 0; c < 4; ++c)
-      table.set(c, i, read_scalar(&bytes[i * kPointSize + 4 * c], ScalarType::kFloat32, false));
+    const auto* const point = reinterpret_cast<const std::uint8_t*>(source.peek(kPointSize).data());
+    for (std::size_t c = 0; c < 4; ++c) table.set(c, read_scalar(point + 4 * c, ScalarType::kFloat32, false));
+    source.skip(kPointSize);
+    table.end_point();
   }
-  return table.take();
+  table.hand_on();
 }
 
 std::string format_kitti_bin(const PointCloud& cloud) {

@@ -11,7 +11,8 @@ namespace scanlock {
 
 Matches read_matches(const std::string& path, std::size_t most) {
   const std::vector<std::uint8_t> bytes = read_file_bytes(path);
-  TextLines lines(path, bytes);
+  ByteSource source(bytes);
+  TextLines lines(path, source);
   Matches matches;
   std::vector<double> numbers;
   while (const auto line = lines.next_with_content()) {

@@ -18,12 +18,13 @@ std::vector<CloudArray> arrays_of(const PcdHeader& header) {
   return arrays;
 }
 
-PointCloud read_ascii(TextLines& lines, const PcdHeader& header, const std::vector<CloudArray>& arrays) {
+void read_ascii(TextLines& lines, const PcdHeader& header, const std::vector<CloudArray>& arrays,
+                const TakePoints& take) {
   // A point takes at least a character for each word and one behind it.
   if (header.points > (lines.bytes_left() + 1) / (2 * header.point_words))
     lines.fail("the header promises " + std::to_string(header.points) + " points, more than the " +
                std::to_string(lines.bytes_left()) + " bytes that follow can hold: the file is cut short");
-  CloudTable table(arrays, header.points);
+  CloudTable table(arrays, header.points, take);
   std::vector<double> numbers;
   for (std::size_t i = 0; i < header.points; ++i) {
     const auto line = lines.next_with_content();
@@ -35,87 +36,82 @@ PointCloud read_ascii(TextLines& lines, const PcdHeader& header, const std::vect
       lines.fail("a point of " + std::to_string(numbers.size()) + " numbers where the header promises " +
                  std::to_string(header.point_words));
     for (std::size_t f = 0; f < header.fields.size(); ++f)
-      if (table.uses(f)) table.set(f, i, numbers[header.fields[f].word]);
+      if (table.uses(f)) table.set(f, numbers[header.fields[f].word]);
+    table.end_point();
   }
-  return table.take();
+  table.hand_on();
 }
 
-/// Where the values of the fields lie: those of field f of point i at start[f] + i * step[f].
-struct Layout {
-  std::vector<std::size_t> start, step;
-};
-
-Layout point_by_point(const PcdHeader& header) {
-  Layout layout;
-  for (const PcdField& field : header.fields) {
-    layout.start.push_back(field.offset);
-    layout.step.push_back(header.point_size);
+/// Point by point.
+void read_binary(ByteSource& source, const PcdHeader& header, const std::vector<CloudArray>& arrays,
+                 const TakePoints& take) {
+  CloudTable table(arrays, header.points, take);
+  for (std::size_t i = 0; i < header.points; ++i) {
+    const auto* const point = reinterpret_cast<const std::uint8_t*>(source.peek(header.point_size).data());
+    for (std::size_t f = 0; f < header.fields.size(); ++f) {
+      const PcdField& field = header.fields[f];
+      if (table.uses(f)) table.set(f, read_scalar(point + field.offset, *scalar_type(field), false));
+    }
+    source.skip(header.point_size);
+    table.end_point();
   }
-  return layout;
+  table.hand_on();
 }
 
-Layout field_by_field(const PcdHeader& header) {
-  Layout layout;
-  for (const PcdField& field : header.fields) {
-    layout.start.push_back(field.offset * header.points);
-    layout.step.push_back(field.size * field.count);
+/// Field by field, as compressed data lies.
+void read_fields(const std::vector<std::uint8_t>& bytes, const PcdHeader& header,
+                 const std::vector<CloudArray>& arrays, const TakePoints& take) {
+  CloudTable table(arrays, header.points, take);
+  for (std::size_t i = 0; i < header.points; ++i) {
+    for (std::size_t f = 0; f < header.fields.size(); ++f) {
+      const PcdField& field = header.fields[f];
+      if (!table.uses(f)) continue;
+      const std::size_t at = field.offset * header.points + i * field.size * field.count;
+      table.set(f, read_scalar(&bytes[at], *scalar_type(field), false));
+    }
+    table.end_point();
   }
-  return layout;
+  table.hand_on();
 }
 
-PointCloud read_values(const std::uint8_t* bytes, const PcdHeader& header, const Layout& layout,
-                       const std::vector<CloudArray>& arrays) {
-  CloudTable table(arrays, header.points);
-  for (std::size_t f = 0; f < header.fields.size(); ++f) {
-    if (!table.uses(f)) continue;
-    const ScalarType type = *scalar_type(header.fields[f]);
-    for (std::size_t i = 0; i < header.points; ++i)
-      table.set(f, i, read_scalar(bytes + layout.start[f] + i * layout.step[f], type, false));
-  }
-  return table.take();
-}
-
-/// The uncompressed bytes of a binary_compressed body that begins at `offset`.
-std::vector<std::uint8_t> decompress(const std::string& path, const std::vector<std::uint8_t>& bytes,
-                                     std::size_t offset, const PcdHeader& header) {
-  if (bytes.size() - offset < 8)
-    fail_at_byte(path, offset, "the file ends before the sizes of its compressed data");
-  const auto compressed = static_cast<std::size_t>(read_scalar(&bytes[offset], ScalarType::kUint32, false));
-  const auto size = static_cast<std::size_t>(read_scalar(&bytes[offset + 4], ScalarType::kUint32, false));
-  if (compressed > bytes.size() - offset - 8)
+/// The uncompressed bytes of a binary_compressed body.
+std::vector<std::uint8_t> decompress(const std::string& path, ByteSource& source, const PcdHeader& header) {
+  const std::size_t offset = source.offset();
+  if (source.left() < 8) fail_at_byte(path, offset, "the file ends before the sizes of its compressed data");
+  const std::vector<std::uint8_t> sizes = source.take(8);
+  const auto compressed = static_cast<std::size_t>(read_scalar(sizes.data(), ScalarType::kUint32, false));
+  const auto size = static_cast<std::size_t>(read_scalar(&sizes[4], ScalarType::kUint32, false));
+  if (compressed > source.left())
     fail_at_byte(path, offset,
                  std::to_string(compressed) + " bytes of compressed data are promised, " +
-                     std::to_string(bytes.size() - offset - 8) + " follow: the file is cut short");
+                     std::to_string(source.left()) + " follow: the file is cut short");
   if (size / header.point_size < header.points)
     fail_at_byte(path, offset + 4,
                  std::to_string(size) + " bytes of data cannot hold the " + std::to_string(header.points) +
                      " points of the header");
-  auto data = lzf_decompress(bytes.data() + offset + 8, compressed, size);
+  auto data = lzf_decompress(source.take(compressed).data(), compressed, size);
   if (!data) fail_at_byte(path, offset + 8, "the compressed data is damaged");
   return std::move(*data);
 }
 
 }  // namespace
 
-PointCloud parse_pcd(const std::string& path, const std::vector<std::uint8_t>& bytes) {
-  TextLines lines(path, bytes);
+void parse_pcd(const std::string& path, ByteSource& source, const TakePoints& take) {
+  TextLines lines(path, source);
   const PcdHeader header = read_pcd_header(lines);
   const auto arrays = arrays_of(header);
   const std::string missing = missing_coordinate(arrays);
   if (!missing.empty()) lines.fail("the file has no field '" + missing + "' of a known TYPE and SIZE");
-  if (header.data == PcdHeader::Data::kAscii) return read_ascii(lines, header, arrays);
-  const std::size_t offset = lines.offset();
-  if (header.points == 0) return {};
-  if (header.data == PcdHeader::Data::kCompressed) {
-    const auto data = decompress(path, bytes, offset, header);
-    return read_values(data.data(), header, field_by_field(header), arrays);
-  }
-  if ((bytes.size() - offset) / header.point_size < header.points)
-    fail_at_byte(path, offset,
+  if (header.data == PcdHeader::Data::kAscii) return read_ascii(lines, header, arrays, take);
+  if (header.points == 0) return;
+  if (header.data == PcdHeader::Data::kCompressed)
+    return read_fields(decompress(path, source, header), header, arrays, take);
+  if (source.left() / header.point_size < header.points)
+    fail_at_byte(path, source.offset(),
                  "the header promises " + std::to_string(header.points) + " points of " +
-                     std::to_string(header.point_size) + " bytes, only " +
-                     std::to_string(bytes.size() - offset) + " bytes follow: the file is cut short");
-  return read_values(bytes.data() + offset, header, point_by_point(header), arrays);
+                     std::to_string(header.point_size) + " bytes, only " + std::to_string(source.left()) +
+                     " bytes follow: the file is cut short");
+  read_binary(source, header, arrays, take);
 }
 
 std::string format_pcd(const PointCloud& cloud) {

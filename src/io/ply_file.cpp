@@ -47,7 +47,7 @@ void read_ascii_rows(TextLines& lines, const PlyElement& element, CloudTable* ta
         lines.fail("the line has only " + std::to_string(numbers.size()) + " numbers, '" +
                    element.properties[c].name + "' is missing");
       const double value = numbers[at++];
-      if (table->uses(c)) table->set(c, row, value);
+      if (table->uses(c)) table->set(c, value);
       if (!element.properties[c].count_type) continue;
       if (!(value >= 0 && value <= static_cast<double>(numbers.size() - at)))
         lines.fail("the list '" + element.properties[c].name + "' is longer than its line");
@@ -56,40 +56,41 @@ void read_ascii_rows(TextLines& lines, const PlyElement& element, CloudTable* ta
     if (at != numbers.size())
       lines.fail("the line has " + std::to_string(numbers.size()) + " numbers where the header promises " +
                  std::to_string(at));
+    table->end_point();
   }
 }
 
 /// A cursor over the binary part.
 struct BinaryRows {
   const std::string& path;
-  const std::vector<std::uint8_t>& bytes;
-  std::size_t offset;
+  ByteSource& source;
   bool big_endian;
 
   double take(ScalarType type, const PlyElement& element, std::size_t row) {
-    if (bytes.size() - offset < size_of(type))
-      fail_at_byte(path, offset,
+    const std::string_view next = source.peek(size_of(type));
+    if (next.size() < size_of(type))
+      fail_at_byte(path, source.offset(),
                    "the file ends within row " + std::to_string(row) + " of " +
                        std::to_string(element.count) + " of element '" + element.name + "'");
-    const double value = read_scalar(&bytes[offset], type, big_endian);
-    offset += size_of(type);
+    const double value = read_scalar(reinterpret_cast<const std::uint8_t*>(next.data()), type, big_endian);
+    source.skip(size_of(type));
     return value;
   }
 
   void skip_list(const PlyProperty& property, const PlyElement& element, std::size_t row) {
-    const std::size_t start = offset;
+    const std::size_t start = source.offset();
     const double count = take(*property.count_type, element, row);
-    if (count < 0 || count > static_cast<double>((bytes.size() - offset) / size_of(property.type)))
+    if (count < 0 || count > static_cast<double>(source.left() / size_of(property.type)))
       fail_at_byte(path, start,
                    "row " + std::to_string(row) + " of element '" + element.name + "' has a list of " +
                        std::to_string(static_cast<std::int64_t>(count)) +
                        " entries, which runs past the end");
-    offset += static_cast<std::size_t>(count) * size_of(property.type);
+    source.skip(static_cast<std::size_t>(count) * size_of(property.type));
   }
 
   void read(const PlyElement& element, CloudTable* table) {
     if (table == nullptr && !element.has_lists()) {
-      offset += element.count * element.minimal_row_size(false);  // checked by cannot_hold
+      source.skip(element.count * element.minimal_row_size(false));  // checked by cannot_hold
       return;
     }
     for (std::size_t row = 0; row < element.count; ++row) {
@@ -100,38 +101,39 @@ struct BinaryRows {
           continue;
         }
         const double value = take(property.type, element, row);
-        if (table != nullptr && table->uses(c)) table->set(c, row, value);
+        if (table != nullptr && table->uses(c)) table->set(c, value);
       }
+      if (table != nullptr) table->end_point();
     }
   }
 };
 
 }  // namespace
 
-PointCloud parse_ply(const std::string& path, const std::vector<std::uint8_t>& bytes) {
-  TextLines lines(path, bytes);
+void parse_ply(const std::string& path, ByteSource& source, const TakePoints& take) {
+  TextLines lines(path, source);
   const PlyHeader header = read_ply_header(lines);
   const bool ascii = header.format == PlyHeader::Format::kAscii;
-  BinaryRows binary{path, bytes, lines.offset(), header.format == PlyHeader::Format::kBigEndian};
+  BinaryRows binary{path, source, header.format == PlyHeader::Format::kBigEndian};
   for (const PlyElement& element : header.elements) {
-    const std::size_t left = ascii ? lines.bytes_left() : bytes.size() - binary.offset;
+    const std::size_t left = source.left();
     if (element.properties.empty()) continue;
     if (cannot_hold(element, ascii, left)) {
       if (ascii) lines.fail(too_short(element, left));
-      fail_at_byte(path, binary.offset, too_short(element, left));
+      fail_at_byte(path, source.offset(), too_short(element, left));
     }
     std::optional<CloudTable> table;
     if (element.name == "vertex") {
       const auto arrays = arrays_of(element);
       const std::string missing = missing_coordinate(arrays);
       if (!missing.empty()) lines.fail("the element vertex has no property '" + missing + "'");
-      table.emplace(arrays, element.count);
+      table.emplace(arrays, element.count, take);
     }
     if (ascii)
       read_ascii_rows(lines, element, table ? &*table : nullptr);
     else
       binary.read(element, table ? &*table : nullptr);
-    if (table) return table->take();  // what comes after the points is of no use to us
+    if (table) return table->hand_on();  // what comes after the points is of no use to us
   }
   lines.fail("the file has no element 'vertex' with properties");
 }

@@ -41,7 +41,8 @@ std::optional<std::uint64_t> scan_number(const fs::path& path) {
 
 std::vector<double> read_times(const std::string& path) {
   const auto bytes = read_file_bytes(path);
-  TextLines lines(path, bytes);
+  ByteSource source(bytes);
+  TextLines lines(path, source);
   std::vector<double> times, numbers;
   while (const auto line = lines.next_with_content()) {
     lines.parse_finite(*line, numbers);

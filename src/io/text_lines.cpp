@@ -35,10 +35,23 @@ std::string_view take_word(std::string_view& text) {
 }  // namespace
 
 std::optional<std::string_view> TextLines::next() {
-  if (offset_ == text_.size()) return std::nullopt;
-  const std::size_t end = std::min(text_.find('\n', offset_), text_.size());
-  std::string_view line = text_.substr(offset_, end - offset_);
-  offset_ = std::min(end + 1, text_.size());
+  if (source_.left() == 0) return std::nullopt;
+  constexpr std::size_t kLine = 1u << 12, kLongest = 1u << 20;  // bytes
+  std::string_view line;
+  for (std::size_t looked_at = 0, wanted = kLine;; wanted *= 4) {
+    line = source_.peek(wanted);
+    const std::size_t end = line.find('\n', looked_at);
+    const bool ends = end != std::string_view::npos, is_last = line.size() == source_.left();
+    looked_at = ends ? end : line.size();
+    if (looked_at > kLongest) {
+      ++line_;
+      fail("a line of more than " + std::to_string(kLongest) + " bytes: this is no text");
+    }
+    if (!ends && !is_last) continue;
+    source_.skip(ends ? end + 1 : line.size());
+    line = line.substr(0, end);
+    break;
+  }
   ++line_;
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   return line;

@@ -9,23 +9,24 @@
 #include <string_view>
 #include <vector>
 
+#include "io/byte_source.hpp"
+
 namespace scanlock {
 
-/// Walks over the lines of a text in memory, and knows where it is for the sake of errors.
+/// Walks over the lines of a text, and knows where it is for the sake of errors.
 class TextLines {
  public:
-  /// `bytes` must outlive this object.
-  TextLines(std::string path, const std::vector<std::uint8_t>& bytes)
-      : path_(std::move(path)), text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {}
+  /// `path` is for the errors only. `source` must outlive this object, and stands behind the last line.
+  TextLines(std::string path, ByteSource& source) : path_(std::move(path)), source_(source) {}
 
-  /// The next line without its end (LF or CR LF), or nothing at the end of the text.
+  /// The next line without its end (LF or CR LF), or nothing at the end of the text; valid until the next
+  /// one. Fails for a line of more than 1 MB.
   std::optional<std::string_view> next();
   /// The next line that holds more than blanks once its `#` comment is cut off.
   std::optional<std::string_view> next_with_content();
 
-  std::size_t line() const { return line_; }      ///< number of the line last returned, from 1
-  std::size_t offset() const { return offset_; }  ///< bytes consumed
-  std::size_t bytes_left() const { return text_.size() - offset_; }
+  std::size_t line() const { return line_; }  ///< number of the line last returned, from 1
+  std::size_t bytes_left() const { return source_.left(); }
 
   /// Throws std::runtime_error "PATH:LINE: what", before the first line "PATH: what".
   [[noreturn]] void fail(const std::string& what) const;
@@ -36,8 +37,8 @@ class TextLines {
 
  private:
   std::string path_;
-  std::string_view text_;
-  std::size_t line_ = 0, offset_ = 0;
+  ByteSource& source_;
+  std::size_t line_ = 0;
 };
 
 /// A word for an error message: in quotes, not too long, nothing unprintable.

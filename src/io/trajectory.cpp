@@ -50,7 +50,8 @@ StampedPose kitti_pose(const TextLines& lines, const std::vector<double>& v, std
 /// Every line of the file, all of the kind that has that many columns.
 Trajectory read_lines(const std::string& path, std::size_t columns) {
   const auto bytes = read_file_bytes(path);
-  TextLines lines(path, bytes);
+  ByteSource source(bytes);
+  TextLines lines(path, source);
   Trajectory trajectory;
   std::vector<double> numbers;
   while (const auto line = lines.next_with_content()) {
@@ -79,7 +80,8 @@ Trajectory read_kitti(const std::string& path) {
 
 bool is_tum(const std::string& path) {
   const auto bytes = read_file_bytes(path);
-  TextLines lines(path, bytes);
+  ByteSource source(bytes);
+  TextLines lines(path, source);
   const auto line = lines.next_with_content();
   if (!line) lines.fail("the file holds no pose");
   const std::size_t columns = split_words(*line).size();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include <array>
 #include <cstdio>
+#include <utility>
 
 #include "io/cloud_columns.hpp"
 #include "io/cloud_formats.hpp"
@@ -9,8 +10,8 @@
 
 namespace scanlock {
 
-PointCloud parse_xyz(const std::string& path, const std::vector<std::uint8_t>& bytes) {
-  TextLines lines(path, bytes);
+void parse_xyz(const std::string& path, ByteSource& source, const TakePoints& take) {
+  TextLines lines(path, source);
   PointCloud cloud;
   std::vector<double> numbers;
   std::size_t columns = 0;
@@ -24,8 +25,9 @@ PointCloud parse_xyz(const std::string& path, const std::vector<std::uint8_t>& b
                  std::to_string(columns));
     cloud.push_back(to_float(numbers[0]), to_float(numbers[1]), to_float(numbers[2]));
     if (columns == 4) cloud.intensity.push_back(to_float(numbers[3]));
+    if (cloud.size() == kPartPoints) take(std::exchange(cloud, PointCloud()));
   }
-  return cloud;
+  if (!cloud.empty()) take(std::move(cloud));
 }
 
 std::string format_xyz(const PointCloud& cloud) {

@@ -4,6 +4,8 @@
 #include "io/cloud_formats.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  scanlock::fuzz::allow_errors([&] { scanlock::parse_pcd("input", {data, data + size}); });
+  const std::vector<std::uint8_t> bytes(data, data + size);
+  scanlock::ByteSource source(bytes);
+  scanlock::fuzz::allow_errors([&] { scanlock::parse_pcd("input", source, [](scanlock::PointCloud&&) {}); });
   return 0;
 }

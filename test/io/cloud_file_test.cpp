@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <random>
 #include <stdexcept>
@@ -163,6 +164,52 @@ TEST_CASE("a header that promises more than the file holds is refused before any
                                           "\n\x01\0\0\0\xff\xff\xff\xff 1 2 3\n");
       CHECK(message_of(directory / "a.pcd") != "no error");
     }
+  }
+}
+
+TEST_CASE("a file of many points is handed on in parts, in its order") {
+  TemporaryDirectory directory;
+  PointCloud cloud;
+  for (std::size_t i = 0; i < 2 * kPartPoints + 5; ++i) {
+    const auto v = static_cast<float>(i);  // exact
+    cloud.push_back(v, v + 1, v + 2);
+    cloud.intensity.push_back(v + 3);
+  }
+  for (const char* name : {"a.bin", "a.ply", "a.pcd", "a.xyz"}) {
+    CAPTURE(name);
+    write_cloud(directory / name, cloud);
+    std::vector<std::size_t> sizes;
+    std::size_t at = 0, wrong = 0;
+    std::uint64_t done = 0, total = 0;
+    read_cloud(
+        directory / name,
+        [&](PointCloud&& part) {
+          sizes.push_back(part.size());
+          REQUIRE(part.has_intensity());
+          for (std::size_t i = 0; i < part.size(); ++i, ++at) {
+            const bool same = part.point(i) == cloud.point(at) && part.intensity[i] == cloud.intensity[at];
+            wrong += same ? 0 : 1;
+          }
+        },
+        [&](std::uint64_t bytes, std::uint64_t all) {
+          CHECK(bytes > done);
+          done = bytes;
+          total = all;
+        });
+    CHECK(sizes == std::vector<std::size_t>{kPartPoints, kPartPoints, 5});
+    CHECK(wrong == 0);
+    CHECK(done == total);
+    CHECK(total == std::filesystem::file_size(directory / name));
+    CHECK(same(read_cloud(directory / name).z, cloud.z));
+  }
+}
+
+TEST_CASE("a file of one endless line is no text, and is not held as a whole") {
+  TemporaryDirectory directory;
+  for (const char* name : {"a.ply", "a.pcd", "a.xyz"}) {
+    write_file(directory / name, std::string(std::size_t{3} << 20, '7'));
+    CHECK(
+        contains(message_of(directory / name), std::string(name) + ":1: a line of more than 1048576 bytes"));
   }
 }
 
