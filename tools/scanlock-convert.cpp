@@ -12,6 +12,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "command_line.hpp"
 #include "daemon/map_store.hpp"
@@ -232,11 +233,20 @@ void convert_map(const Options& options) {
   SavedMap map;
   std::size_t points = 0;
   if (is_bare_cloud(options.input)) {
-    const PointCloud cloud = read_cloud(options.input);
+    CloudMapOptions how;
+    how.threads = static_cast<int>(std::thread::hardware_concurrency());
+    CloudMapBuilder builder(how);
+    {
+      ProgressBar bar("points");
+      const auto take = [&](PointCloud&& part) {
+        points += part.size();
+        builder.add(std::move(part));
+      };
+      read_cloud(options.input, take, shown_by(bar));
+    }
     ProgressBar bar("map");
-    map = map_of_cloud(cloud, options.input, {}, shown_by(bar));
+    map = builder.build(options.input, shown_by(bar));
     write_map(options.output, map);
-    points = cloud.size();
   } else {
     const SavedMap all = read_map(options.input);
     map = first_submap(all);

@@ -11,9 +11,9 @@
 #include <filesystem>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "daemon/mount.hpp"
-#include "geometry/moved_cloud.hpp"
 #include "io/cloud_file.hpp"
 #include "io/map_file.hpp"
 #include "mapping/cloud_map.hpp"
@@ -97,6 +97,7 @@ MapStore::MapStore(const Config& config, Statistics& statistics)
       saved_file_(saved_map_file(config.daemon.map)),
       body_from_sensor_(body_from_sensor(config.daemon.mount)),
       max_range_m_(config.tracker.max_range_m),
+      threads_(config.tracker.threads),
       statistics_(statistics),
       next_(Clock::now() + period_of(config.daemon.map)) {}
 
@@ -134,7 +135,9 @@ LoadedMap MapStore::read(const std::string& file) const {
   const Eigen::Vector3d up = sensor_from_body.linear() * axis_of(config_.up);
   if (is_bare_cloud(file)) {
     statistics_.say(LogLevel::kInfo, file + ": a bare cloud; a map is made of it");
-    loaded.map = map_of_cloud(moved(read_cloud(file), sensor_from_body), file, {up, max_range_m_});
+    CloudMapBuilder builder({up, max_range_m_, sensor_from_body, threads_});
+    read_cloud(file, [&](PointCloud&& part) { builder.add(std::move(part)); });
+    loaded.map = builder.build(file);
   } else {
     loaded.map = read_map(file);
     if (file == saved_file_ && is_bare_cloud(config_.file))

@@ -64,6 +64,7 @@ class MapStore {
   const std::string saved_file_;  ///< see saved_map_file()
   const Pose body_from_sensor_;
   const double max_range_m_;
+  const int threads_;
   Statistics& statistics_;
   std::future<bool> writing_;  ///< whether it succeeded; what went wrong was said
   std::chrono::steady_clock::time_point next_;

@@ -6,16 +6,17 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
+#include <optional>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "geometry/angles.hpp"
 #include "geometry/elementary.hpp"
 #include "geometry/moved_cloud.hpp"
+#include "geometry/parallel.hpp"
 #include "geometry/voxel_grid.hpp"
-#include "mapping/solid_cloud.hpp"
 #include "odometry/motion_filter.hpp"
 
 namespace scanlock {
@@ -25,6 +26,7 @@ constexpr float kFinest = 0.1F;       // metres: a voxel that hides what is behi
 constexpr float kEye = 1.2F;          // metres above the floor
 constexpr float kHeadroom = 1.5F;     // metres that are free above a floor
 constexpr float kFloorCell = 0.5F;    // metres
+constexpr float kTile = 4;            // metres: cells and blocks of voxels both divide it
 constexpr float kStep = 0.4F;         // metres from one cell of a floor to the next: a kerb, a steep ramp
 constexpr double kLeastFloor = 0.05;  // of the widest one: what is less is a roof or a table
 constexpr double kRows = 40, kTurn = 180;  // rays, from 40 degrees below the horizon to 40 above, and around
@@ -38,66 +40,72 @@ Cell cell_of(const Eigen::Vector3f& p, float size) {
   return {static_cast<int>(std::floor(p.x() / size)), static_cast<int>(std::floor(p.y() / size))};
 }
 
-/// Middles of cells, on what has headroom above it there.
-struct Floor {
-  std::vector<Eigen::Vector3f> places;
-  std::map<Cell, std::vector<std::uint32_t>> cells;
+/// On what has headroom above it there.
+struct Place {
+  Cell cell;
+  float z = 0;  // metres
+  bool operator<(const Place& other) const { return std::tie(cell, z) < std::tie(other.cell, other.z); }
+  Eigen::Vector3f middle() const {
+    return {(static_cast<float>(cell.first) + 0.5F) * kFloorCell,
+            (static_cast<float>(cell.second) + 0.5F) * kFloorCell, z};
+  }
 };
 
-Floor find_floor(const PointCloud& points) {
-  std::vector<std::uint32_t> order(points.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto cell = [&](std::uint32_t i) { return cell_of(points.point(i), kFloorCell); };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const Cell one = cell(a), other = cell(b);
-    return one != other ? one < other : points.z[a] < points.z[b];
-  });
-  Floor floor;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool last = i + 1 == order.size() || cell(order[i + 1]) != cell(order[i]);
-    if (!last && points.z[order[i + 1]] - points.z[order[i]] < kHeadroom) continue;
-    const Cell here = cell(order[i]);
-    floor.cells[here].push_back(static_cast<std::uint32_t>(floor.places.size()));
-    floor.places.emplace_back((static_cast<float>(here.first) + 0.5F) * kFloorCell,
-                              (static_cast<float>(here.second) + 0.5F) * kFloorCell, points.z[order[i]]);
+/// Ordered by cells, then by heights.
+std::vector<Place> find_floor(const SolidCloud& solid) {
+  // The columns of one tile are whole, and few points are looked at at once.
+  std::vector<std::pair<Cell, std::uint32_t>> blocks;
+  for (std::uint32_t i = 0; i < solid.blocks().size(); ++i)
+    blocks.emplace_back(cell_of(solid.blocks()[i].points.front(), kTile), i);
+  std::sort(blocks.begin(), blocks.end());
+  std::vector<Place> floor, column;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    for (const Eigen::Vector3f& p : solid.blocks()[blocks[i].second].points)
+      column.push_back({cell_of(p, kFloorCell), p.z()});
+    if (i + 1 < blocks.size() && blocks[i + 1].first == blocks[i].first) continue;
+    std::sort(column.begin(), column.end());
+    for (std::size_t k = 0; k < column.size(); ++k) {
+      const bool last = k + 1 == column.size() || column[k + 1].cell != column[k].cell;
+      if (last || column[k + 1].z - column[k].z >= kHeadroom) floor.push_back(column[k]);
+    }
+    column.clear();
   }
+  std::sort(floor.begin(), floor.end());
   return floor;
 }
 
-/// Of places that hang together by small steps, those of wide floors.
-std::vector<std::uint32_t> wide_floors(const Floor& floor) {
-  std::vector<int> part(floor.places.size(), -1);
+/// Of places that hang together by small steps, those of wide floors, in order.
+std::vector<Place> wide_floors(const std::vector<Place>& floor) {
+  constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> part(floor.size(), kNone), border;
   std::vector<std::size_t> sizes;
   for (std::uint32_t seed = 0; seed < part.size(); ++seed) {
-    if (part[seed] >= 0) continue;
-    const int number = static_cast<int>(sizes.size());
-    std::vector<std::uint32_t> border{seed};
+    if (part[seed] != kNone) continue;
+    const auto number = static_cast<std::uint32_t>(sizes.size());
+    sizes.push_back(0);
     part[seed] = number;
-    std::size_t size = 0;
+    border.push_back(seed);
     while (!border.empty()) {
-      const std::uint32_t at = border.back();
+      const Place at = floor[border.back()];
       border.pop_back();
-      ++size;
-      const auto [x, y] = cell_of(floor.places[at], kFloorCell);
-      for (int near = 0; near < 9; ++near) {
-        const auto next = floor.cells.find({x + near / 3 - 1, y + near % 3 - 1});
-        if (next == floor.cells.end()) continue;
-        for (const std::uint32_t other : next->second) {
-          if (part[other] >= 0 || std::abs(floor.places[other].z() - floor.places[at].z()) > kStep) continue;
+      ++sizes.back();
+      for (int x = at.cell.first - 1; x <= at.cell.first + 1; ++x) {
+        constexpr float kLowest = -std::numeric_limits<float>::infinity();
+        auto next = std::lower_bound(floor.begin(), floor.end(), Place{{x, at.cell.second - 1}, kLowest});
+        for (; next != floor.end() && next->cell <= Cell(x, at.cell.second + 1); ++next) {
+          const auto other = static_cast<std::uint32_t>(next - floor.begin());
+          if (part[other] != kNone || std::abs(next->z - at.z) > kStep) continue;
           part[other] = number;
           border.push_back(other);
         }
       }
     }
-    sizes.push_back(size);
   }
-  std::vector<std::uint32_t> wide;
+  std::vector<Place> wide;
   if (sizes.empty()) return wide;
   const double least = kLeastFloor * static_cast<double>(*std::max_element(sizes.begin(), sizes.end()));
-  for (const auto& [cell, places] : floor.cells) {
-    for (const std::uint32_t place : places)
-      if (static_cast<double>(sizes[static_cast<std::size_t>(part[place])]) >= least) wide.push_back(place);
-  }
+  for (std::size_t i = 0; i < floor.size(); ++i)
+    if (static_cast<double>(sizes[part[i]]) >= least) wide.push_back(floor[i]);
   return wide;
 }
 
@@ -130,21 +138,25 @@ struct View {
 };
 
 View seen_from(const SolidCloud& solid, const Eigen::Vector3f& eye, const std::vector<Eigen::Vector3f>& rays,
-               float range) {
-  std::vector<std::uint32_t> hits;
+               float range, int threads) {
+  std::vector<std::optional<SolidCloud::Voxel>> hit(rays.size());
+  for_each_chunk(rays.size(), kChunk, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) hit[i] = solid.hit(eye, rays[i], range);
+  });
+  std::vector<SolidCloud::Voxel> hits;
   std::vector<float> ranges;
   const auto level = static_cast<float>(sin(kLevel));
-  for (const Eigen::Vector3f& ray : rays) {
-    const std::optional<std::uint32_t> hit = solid.hit(eye, ray, range);
-    if (!hit) continue;
-    hits.push_back(*hit);
-    if (std::abs(ray.z()) < level) ranges.push_back((solid.points().point(*hit) - eye).norm());
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!hit[i]) continue;
+    hits.push_back(*hit[i]);
+    if (std::abs(rays[i].z()) < level) ranges.push_back((solid.point(*hit[i]) - eye).norm());
   }
-  std::sort(hits.begin(), hits.end());
+  std::sort(hits.begin(), hits.end(),
+            [&](SolidCloud::Voxel a, SolidCloud::Voxel b) { return solid.is_before(a, b); });
   hits.erase(std::unique(hits.begin(), hits.end()), hits.end());
   View view;
-  for (const std::uint32_t i : hits) {
-    view.points.push_back(solid.points().point(i) - eye);
+  for (const SolidCloud::Voxel i : hits) {
+    view.points.push_back(solid.point(i) - eye);
     view.standing += view.points.z.back() > -0.5F * kEye ? 1 : 0;
   }
   if (ranges.empty()) return view;
@@ -185,31 +197,37 @@ class Eyes {
 
 }  // namespace
 
-SavedMap map_of_cloud(const PointCloud& cloud, const std::string& name, const CloudMapOptions& options,
-                      const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
-  const Eigen::Matrix3d level = level_rotation(options.up);
-  PointCloud levelled;
-  levelled.x = cloud.x;
-  levelled.y = cloud.y;
-  levelled.z = cloud.z;
-  levelled = moved(levelled, Pose(level));
-  const SolidCloud solid(levelled, kFinest);
-  const Floor floor = find_floor(solid.points());
-  const std::vector<std::uint32_t> places = wide_floors(floor);
+CloudMapBuilder::CloudMapBuilder(const CloudMapOptions& options)
+    : options_(options), level_(level_rotation(options.up)), solid_(kFinest) {}
+
+void CloudMapBuilder::add(PointCloud part) {
+  points_ += part.size();
+  part.nx.clear();  // which would be turned, too
+  solid_.add(moved(std::move(part), Pose(level_) * options_.map_from_cloud));
+}
+
+SavedMap CloudMapBuilder::build(const std::string& name,
+                                const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+  if (points_ == 0) throw std::runtime_error(name + ": holds no points");
+  if (solid_.size() == 0)
+    throw std::runtime_error(name + ": none of its " + std::to_string(points_) +
+                             " points is within 100 km of its origin; subtract an offset from them");
+  solid_.close();
+  const std::vector<Place> places = wide_floors(find_floor(solid_));
   const std::vector<Eigen::Vector3f> rays = ray_directions();
-  const auto range = static_cast<float>(options.max_range_m);
+  const auto range = static_cast<float>(options_.max_range_m);
   Eyes eyes;
   KeyframeArchive archive(std::numeric_limits<std::size_t>::max());
   std::uint64_t done = 0;
-  for (const std::uint32_t place : places) {
+  for (const Place& place : places) {
     if (progress) progress(++done, places.size());
-    const Eigen::Vector3f eye = floor.places[place] + kEye * Eigen::Vector3f::UnitZ();
-    if (!is_free(solid, eye) || eyes.cover(solid, eye)) continue;
-    const View view = seen_from(solid, eye, rays, range);
+    const Eigen::Vector3f eye = place.middle() + kEye * Eigen::Vector3f::UnitZ();
+    if (!is_free(solid_, eye) || eyes.cover(solid_, eye)) continue;
+    const View view = seen_from(solid_, eye, rays, range, options_.threads);
     if (view.standing < kLeastSeen) continue;
     eyes.add(eye, view.reach);
-    Pose map_from_eye = Pose(level.transpose());
-    map_from_eye.translation() = level.transpose() * eye.cast<double>();
+    Pose map_from_eye = Pose(level_.transpose());
+    map_from_eye.translation() = level_.transpose() * eye.cast<double>();
     const auto utime = static_cast<std::int64_t>(archive.keyframes().size() + 1);
     archive.add(utime, map_from_eye, view.reach, view.points);
   }
@@ -220,10 +238,17 @@ SavedMap map_of_cloud(const PointCloud& cloud, const std::string& name, const Cl
                              std::to_string(kLeastSeen) +
                              " points of what stands there; is up another axis (map.up)?");
   map.last_pose = map.keyframes.front().map_from_body;
-  map.up = options.up.normalized();
+  map.up = options_.up.normalized();
   for (const ArchivedKeyframe& k : map.keyframes)
     map.constraints.push_back({0, k.id, k.map_from_body, Matrix6::Identity() / (kPoseFloor * kPoseFloor)});
   return map;
+}
+
+SavedMap map_of_cloud(const PointCloud& cloud, const std::string& name, const CloudMapOptions& options,
+                      const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+  CloudMapBuilder builder(options);
+  builder.add(cloud);
+  return builder.build(name, progress);
 }
 
 PointCloud cloud_of_map(const SavedMap& map, float voxel) {

@@ -3,20 +3,24 @@
 #include "mapping/solid_cloud.hpp"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
-#include "geometry/radix_sort.hpp"
 #include "geometry/voxel_grid.hpp"
 
 namespace scanlock {
 namespace {
 
-constexpr int kBlockBits = 9, kCubeBits = 15;  // of a Morton key: 8 and 32 voxels a side
+constexpr int kBlockBits = 9, kCubeBits = 6;  // of Morton keys: 8 voxels a side, and 4 blocks
 constexpr std::uint64_t kInBlock = (1u << kBlockBits) - 1;
 constexpr int kMostLevel = 2;
 constexpr int kBeside = 4;  // of 26: a plane has 8, a line 2
 constexpr double kClosed = 3.0;
+constexpr float kFarthest = 1048575;  // voxels: a key has 21 bits for each axis
+
+using Bits = std::array<std::uint64_t, 8>;
 
 std::uint64_t key_of(const Eigen::Vector3i& voxel) {
   return morton_key(voxel.x(), voxel.y(), voxel.z());
@@ -26,49 +30,103 @@ Eigen::Vector3i voxel_of(const Eigen::Vector3f& position, float voxel) {
   return (position / voxel).array().floor().cast<int>();
 }
 
+std::size_t count(std::uint64_t bits) {
+  return std::bitset<64>(bits).count();
+}
+
+bool holds(const Bits& bits, std::uint64_t bit) {
+  return (bits[bit >> 6] >> (bit & 63) & 1) != 0;
+}
+
+/// How many of them come before that one.
+std::size_t rank(const Bits& bits, std::uint64_t bit) {
+  std::size_t before = count(bits[bit >> 6] & ((std::uint64_t{1} << (bit & 63)) - 1));
+  for (std::size_t word = 0; word < bit >> 6; ++word) before += count(bits[word]);
+  return before;
+}
+
+/// Those of the voxel of that level, of one word, which `bit` is in.
+std::uint64_t of_level(std::uint64_t bit, int level) {
+  const int size = 1 << 3 * level;
+  const std::uint64_t ones = size == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << size) - 1;
+  return ones << (bit & 63 & ~static_cast<std::uint64_t>(size - 1));
+}
+
+/// Voxels of each size, from the smallest to a block, that hold points.
+std::array<std::uint32_t, kMostLevel + 2> voxels(const Bits& taken) {
+  std::array<std::uint32_t, kMostLevel + 2> result{0, 0, 0, 1};
+  for (const std::uint64_t word : taken) {
+    result[0] += static_cast<std::uint32_t>(count(word));
+    for (int byte = 0; byte < 64; byte += 8) result[1] += (word >> byte & 255) != 0 ? 1 : 0;
+    result[2] += word != 0 ? 1 : 0;
+  }
+  return result;
+}
+
 }  // namespace
 
-SolidCloud::SolidCloud(const PointCloud& cloud, float voxel) : voxel_(voxel) {
-  // Ordered by keys of our own: another rounding would put some points into the voxel next to theirs.
-  std::vector<KeyedIndex> order;
-  for (const std::uint32_t i : thin_by_voxel(cloud, voxel))
-    order.emplace_back(key_of(voxel_of(cloud.point(i), voxel)), i);
-  radix_sort(&order);
-  const float margin = static_cast<float>(1 << kMostLevel) * voxel;  // what a point fills at most
-  for (const auto& [key, index] : order) {
-    const Eigen::Vector3f p = cloud.point(index);
-    keys_.push_back(key);
-    points_.push_back(p);
+void SolidCloud::add(const PointCloud& part) {
+  std::uint64_t block_key = ~std::uint64_t{0};
+  std::uint32_t at = 0;                                               // of that block
+  const float margin = static_cast<float>(1 << kMostLevel) * voxel_;  // what a point fills at most
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    const Eigen::Vector3f p = part.point(i), in_voxels = p / voxel_;
+    if (!(in_voxels.cwiseAbs().maxCoeff() < kFarthest) || !in_voxels.allFinite()) continue;
+    const std::uint64_t key = key_of(voxel_of(p, voxel_));
+    if (key >> kBlockBits != block_key) {
+      block_key = key >> kBlockBits;
+      at = block_at_.insert(block_key, static_cast<std::uint32_t>(blocks_.size()));
+      if (at == blocks_.size()) blocks_.emplace_back(block_key);
+    }
+    Block& block = blocks_[at];
+    const std::uint64_t bit = key & kInBlock;
+    const std::size_t place = rank(block.taken, bit);
+    if (!holds(block.taken, bit)) {
+      block.taken[bit >> 6] |= std::uint64_t{1} << (bit & 63);
+      std::vector<Eigen::Vector3f>& points = block.points;
+      // By a quarter: most of the memory is here.
+      if (points.size() == points.capacity()) points.reserve(points.size() + points.size() / 4 + 4);
+      points.insert(points.begin() + static_cast<std::ptrdiff_t>(place), p);
+      ++size_;
+    } else {
+      const auto distance = [&](const Eigen::Vector3f& q) {
+        const Eigen::Vector3f r = q / voxel_;
+        return (r.array() - r.array().floor() - 0.5F).matrix().squaredNorm();
+      };
+      Eigen::Vector3f& kept = block.points[place];
+      const float old = distance(kept), now = distance(p);
+      if (std::tie(now, p.x(), p.y(), p.z()) < std::tie(old, kept.x(), kept.y(), kept.z())) kept = p;
+    }
     low_ = low_.cwiseMin(p - Eigen::Vector3f::Constant(margin));
     high_ = high_.cwiseMax(p + Eigen::Vector3f::Constant(margin));
   }
-  for (std::size_t begin = 0, end = 0; begin < keys_.size(); begin = end) {
-    while (end < keys_.size() && keys_[end] >> kCubeBits == keys_[begin] >> kCubeBits) ++end;
-    fill(begin, end);
+}
+
+void SolidCloud::close() {
+  std::vector<std::array<std::uint32_t, kMostLevel + 2>> cubes;  // voxels of each size in them
+  for (const Block& block : blocks_) {
+    const auto cube = cube_at_.insert(block.key >> kCubeBits, static_cast<std::uint32_t>(cubes.size()));
+    if (cube == cubes.size()) cubes.push_back({});
+    const auto of_block = voxels(block.taken);
+    for (std::size_t level = 0; level < of_block.size(); ++level) cubes[cube][level] += of_block[level];
+  }
+  for (Block& block : blocks_) {
+    const auto& sums = cubes[*cube_at_.at(block.key >> kCubeBits)];
+    std::size_t level = 0;
+    while (level <= kMostLevel && sums[level] < kClosed * sums[level + 1]) ++level;
+    block.level = level > kMostLevel ? 0 : static_cast<int>(level);
+    fill(&block);
   }
 }
 
-/// Points of one cube.
-void SolidCloud::fill(std::size_t begin, std::size_t end) {
-  const auto voxels = [&](int level) {
-    double count = 0;
-    for (std::size_t i = begin; i < end; ++i)
-      count += i == begin || keys_[i] >> 3 * level != keys_[i - 1] >> 3 * level ? 1 : 0;
-    return count;
-  };
-  int level = 0;
-  while (level <= kMostLevel && voxels(level) < kClosed * voxels(level + 1)) ++level;
-  if (level > kMostLevel) level = 0;
-  for (std::size_t i = begin; i < end; ++i) {
-    const auto [at, added] =
-        block_at_.emplace(keys_[i] >> kBlockBits, static_cast<std::uint32_t>(blocks_.size()));
-    if (added) blocks_.emplace_back();
-    Block& block = blocks_[at->second];
-    block.level = level;
-    block.add(keys_[i] & kInBlock);
-    if (level == 0 || !goes_on(points_.point(i), level)) continue;
-    const std::uint64_t first = (keys_[i] & kInBlock) >> 3 * level << 3 * level;
-    for (std::uint64_t bit = first; bit < first + (std::uint64_t{1} << 3 * level); ++bit) block.add(bit);
+/// What of a block is solid.
+void SolidCloud::fill(Block* block) const {
+  block->solid = block->taken;
+  if (block->level == 0) return;
+  std::size_t place = 0;
+  for (std::uint64_t bit = 0; bit <= kInBlock; ++bit) {
+    if (!holds(block->taken, bit)) continue;
+    if (goes_on(block->points[place++], block->level)) block->solid[bit >> 6] |= of_level(bit, block->level);
   }
 }
 
@@ -79,27 +137,38 @@ bool SolidCloud::goes_on(const Eigen::Vector3f& point, int level) const {
   for (int i = 0; i < 27 && beside < kBeside; ++i) {
     if (i == 13) continue;
     const Eigen::Vector3i step(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);
-    const std::uint64_t key = key_of(voxel_of(point + size * step.cast<float>(), voxel_)) >> 3 * level;
-    const auto at = std::lower_bound(keys_.begin(), keys_.end(), key << 3 * level);
-    beside += at != keys_.end() && *at >> 3 * level == key ? 1 : 0;
+    const std::uint64_t key = key_of(voxel_of(point + size * step.cast<float>(), voxel_));
+    const Block* block = block_of(key);
+    const std::uint64_t bit = key & kInBlock;
+    beside += block && (block->taken[bit >> 6] & of_level(bit, level)) != 0 ? 1 : 0;
   }
   return beside >= kBeside;
 }
 
 const SolidCloud::Block* SolidCloud::block_of(std::uint64_t key) const {
-  const auto at = block_at_.find(key >> kBlockBits);
-  return at == block_at_.end() ? nullptr : &blocks_[at->second];
+  const std::optional<std::uint32_t> at = block_at_.at(key >> kBlockBits);
+  return at ? &blocks_[*at] : nullptr;
+}
+
+Eigen::Vector3f SolidCloud::point(Voxel voxel) const {
+  const Block& block = blocks_[voxel >> kBlockBits];
+  return block.points[rank(block.taken, voxel & kInBlock)];
+}
+
+bool SolidCloud::is_before(Voxel a, Voxel b) const {
+  const auto place = [&](Voxel v) { return std::pair(blocks_[v >> kBlockBits].key, v & kInBlock); };
+  return place(a) < place(b);
 }
 
 bool SolidCloud::is_solid(const Eigen::Vector3f& position) const {
   const std::uint64_t key = key_of(voxel_of(position, voxel_));
   const Block* block = block_of(key);
-  return block && block->holds(key & kInBlock);
+  return block && holds(block->solid, key & kInBlock);
 }
 
-/// From voxel to voxel along the ray (Amanatides and Woo 1987), and over empty blocks at once.
-std::optional<std::uint32_t> SolidCloud::hit(const Eigen::Vector3f& eye, const Eigen::Vector3f& direction,
-                                             float range) const {
+/// From voxel to voxel along the ray (Amanatides and Woo 1987), and over empty blocks and cubes at once.
+std::optional<SolidCloud::Voxel> SolidCloud::hit(const Eigen::Vector3f& eye, const Eigen::Vector3f& direction,
+                                                 float range) const {
   constexpr float kNever = std::numeric_limits<float>::infinity();
   Eigen::Vector3i at = voxel_of(eye, voxel_);
   Eigen::Vector3f delta;  // metres along the ray from border to border
@@ -126,8 +195,8 @@ std::optional<std::uint32_t> SolidCloud::hit(const Eigen::Vector3f& eye, const E
     const std::uint64_t key = key_of(at);
     if (key >> kBlockBits != block_key) block = block_of(key);
     block_key = key >> kBlockBits;
-    const bool solid = block && block->holds(key & kInBlock);
-    if (solid && !first) return nearest(key, block->level, eye + (next - delta).maxCoeff() * direction);
+    const bool solid = block && holds(block->solid, key & kInBlock);
+    if (solid && !first) return nearest(key, *block, eye + (next - delta).maxCoeff() * direction);
     if (block) {
       int axis = 0;
       if (!(next.minCoeff(&axis) < range)) return std::nullopt;
@@ -136,32 +205,33 @@ std::optional<std::uint32_t> SolidCloud::hit(const Eigen::Vector3f& eye, const E
       continue;
     }
     int axis = 0;
-    const float out = Eigen::Vector3f(leaves(0, 8), leaves(1, 8), leaves(2, 8)).minCoeff(&axis);
+    const int side = cube_at_.at(key >> kBlockBits >> kCubeBits) ? 8 : 32;
+    const float out = Eigen::Vector3f(leaves(0, side), leaves(1, side), leaves(2, side)).minCoeff(&axis);
     if (!(out < range)) return std::nullopt;
     const Eigen::Vector3i there = voxel_of(eye + out * direction, voxel_);
-    for (int i = 0; i < 3; ++i) {  // whatever the rounding, it leaves the block by one side only
-      const int begin = at[i] & ~7, end = begin + 7;
+    for (int i = 0; i < 3; ++i) {  // whatever the rounding, it leaves the box by one side only
+      const int begin = at[i] & ~(side - 1), end = begin + side - 1;
       at[i] = i != axis ? std::clamp(there[i], begin, end) : direction[i] > 0 ? end + 1 : begin - 1;
       next[i] = leaves(i, 1);
     }
   }
 }
 
-/// Of the points of a voxel.
-std::uint32_t SolidCloud::nearest(std::uint64_t key, int level, const Eigen::Vector3f& position) const {
-  const std::uint64_t first = key >> 3 * level << 3 * level;
-  auto i = std::lower_bound(keys_.begin(), keys_.end(), first);
-  std::uint32_t best = 0;
+/// Of those in the voxel of a block's level.
+SolidCloud::Voxel SolidCloud::nearest(std::uint64_t key, const Block& block,
+                                      const Eigen::Vector3f& position) const {
+  const std::uint64_t word = (key & kInBlock) >> 6, wanted = of_level(key, block.level);
+  std::size_t place = rank(block.taken, word << 6);
+  std::uint64_t best = 0;
   float least = std::numeric_limits<float>::infinity();
-  for (; i != keys_.end() && *i >> 3 * level == key >> 3 * level; ++i) {
-    const auto index = static_cast<std::uint32_t>(i - keys_.begin());
-    const float distance = (points_.point(index) - position).squaredNorm();
-    if (distance < least) {
-      least = distance;
-      best = index;
-    }
+  for (std::uint64_t bit = 0; bit < 64; ++bit) {
+    if ((block.taken[word] >> bit & 1) == 0) continue;
+    const float distance = (block.points[place++] - position).squaredNorm();
+    if ((wanted >> bit & 1) == 0 || !(distance < least)) continue;
+    least = distance;
+    best = word << 6 | bit;
   }
-  return best;
+  return static_cast<Voxel>(&block - blocks_.data()) << kBlockBits | best;
 }
 
 }  // namespace scanlock

@@ -3,13 +3,14 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
 #include "geometry/point_cloud.hpp"
+#include "odometry/voxel_index.hpp"
 
 namespace scanlock {
 
@@ -19,37 +20,49 @@ namespace scanlock {
 /// twice the size. A surface without holes takes four times as many, scattered points take as many; where
 /// that is not reached by two doublings, and where a voxel has few others beside it, they are scattered, and
 /// hide no more than their own voxels.
+/// Takes some 25 bytes for each voxel that holds a point, however many points there are.
 class SolidCloud {
  public:
-  /// Points that are not finite are left out. `voxel`: metres, the smallest.
-  SolidCloud(const PointCloud& cloud, float voxel);
+  /// A voxel of the smallest size that holds a point.
+  using Voxel = std::uint64_t;
+  /// Eight voxels a side, `points` of them hold one.
+  struct Block {
+    explicit Block(std::uint64_t block_key) : key(block_key) {}
+    std::uint64_t key;                     ///< Morton, of the block
+    std::array<std::uint64_t, 8> taken{};  ///< bits of the voxels that hold points, in Morton order
+    std::array<std::uint64_t, 8> solid{};
+    std::vector<Eigen::Vector3f> points;  ///< of those, in that order
+    int level = 0;                        ///< doublings
+  };
 
-  /// One point a voxel of the smallest size.
-  const PointCloud& points() const { return points_; }
+  /// `voxel`: metres, the smallest.
+  explicit SolidCloud(float voxel) : voxel_(voxel) {}
+  /// Of the points in a voxel the one nearest to its centre is kept, whatever their order. Points that are
+  /// not finite, or more than 2^20 voxels from the origin, are left out.
+  void add(const PointCloud& part);
+  /// After the last point: nothing is solid before.
+  void close();
+
+  std::size_t size() const { return size_; }  ///< voxels that hold a point
+  const std::vector<Block>& blocks() const { return blocks_; }
+  Eigen::Vector3f point(Voxel voxel) const;
+  /// Whether the first of two voxels comes first in Morton order.
+  bool is_before(Voxel a, Voxel b) const;
   bool is_solid(const Eigen::Vector3f& position) const;
-  /// A point of the voxel that a ray hits first; none within `range` metres. `direction`: unit. The voxel of
-  /// `eye` does not stop it.
-  std::optional<std::uint32_t> hit(const Eigen::Vector3f& eye, const Eigen::Vector3f& direction,
-                                   float range) const;
+  /// The nearest voxel that holds a point, of those that make up the one which a ray hits first; none within
+  /// `range` metres. `direction`: unit. The voxel of `eye` does not stop it.
+  std::optional<Voxel> hit(const Eigen::Vector3f& eye, const Eigen::Vector3f& direction, float range) const;
 
  private:
-  /// Eight voxels a side.
-  struct Block {
-    std::array<std::uint64_t, 8> solid{};  // bits in Morton order
-    int level = 0;                         // doublings
-    bool holds(std::uint64_t bit) const { return (solid[bit >> 6] >> (bit & 63) & 1) != 0; }
-    void add(std::uint64_t bit) { solid[bit >> 6] |= std::uint64_t{1} << (bit & 63); }
-  };
   const Block* block_of(std::uint64_t key) const;
   bool goes_on(const Eigen::Vector3f& point, int level) const;
-  void fill(std::size_t begin, std::size_t end);
-  std::uint32_t nearest(std::uint64_t key, int level, const Eigen::Vector3f& position) const;
+  void fill(Block* block) const;
+  Voxel nearest(std::uint64_t key, const Block& block, const Eigen::Vector3f& position) const;
 
   float voxel_;
-  PointCloud points_;                // in Morton order of their voxels,
-  std::vector<std::uint64_t> keys_;  // which are these
+  std::size_t size_ = 0;
   Eigen::Vector3f low_ = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()), high_ = -low_;
-  std::unordered_map<std::uint64_t, std::uint32_t> block_at_;
+  VoxelIndex block_at_, cube_at_;  ///< by their keys
   std::vector<Block> blocks_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace scanlock {
@@ -20,11 +21,15 @@ class VoxelIndex {
 
   /// The point that stands for the voxel; `point` from now on, where there was none.
   std::uint32_t insert(std::uint64_t key, std::uint32_t point) {
-    Slot& slot = find(key);
+    Slot& slot = slots_[find(key)];
     if (slot.key == key) return slot.point;
     slot = {key, point};
     if (++used_ * 2 > slots_.size()) grow();
     return point;
+  }
+  std::optional<std::uint32_t> at(std::uint64_t key) const {
+    const Slot& slot = slots_[find(key)];
+    return slot.key == key ? std::optional<std::uint32_t>(slot.point) : std::nullopt;
   }
 
  private:
@@ -34,18 +39,18 @@ class VoxelIndex {
   };
   static constexpr std::size_t kFirstSlots = 1u << 14;
 
-  Slot& find(std::uint64_t key) {
+  std::size_t find(std::uint64_t key) const {
     const std::size_t mask = slots_.size() - 1;
     std::size_t at = static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 32) & mask;
     while (slots_[at].key != Slot().key && slots_[at].key != key) at = (at + 1) & mask;
-    return slots_[at];
+    return at;
   }
 
   void grow() {
     std::vector<Slot> old(slots_.size() * 4);
     old.swap(slots_);
     for (const Slot& slot : old) {
-      if (slot.key != Slot().key) find(slot.key) = slot;
+      if (slot.key != Slot().key) slots_[find(slot.key)] = slot;
     }
   }
 

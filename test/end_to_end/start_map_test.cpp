@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "../contains.hpp"
@@ -84,6 +85,34 @@ TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in i
   CHECK(read_map(folder / "grown.map").keyframes.size() > 3);
 }
 
+TEST_CASE("what no map can be made of is exit 1 and one line that names it and says why") {
+  const TemporaryFolder folder;
+  const std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex ",
+                    columns = "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  write_cloud(folder / "empty.ply", {});
+  write_file(folder / "nothing.ply", "");
+  write_file(folder / "gigantic.ply", header + "1000000000000" + columns + "123456789012");
+  write_file(folder / "gigantic.pcd",
+             "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1000000000000\nHEIGHT 1\n"
+             "DATA binary\n123456789012");
+  write_file(folder / "cut.ply", header + "2" + columns + std::string(23, 'x'));
+  write_file(folder / "damaged.pcd", "FIELDS x y z\nSIZE 4 4\n");
+  for (const auto& [name, reason] :
+       {std::pair("empty.ply", "holds no points"), std::pair("nothing.ply", "not a PLY file"),
+        std::pair("gigantic.ply", "the file is cut short"),
+        std::pair("gigantic.pcd", "the file is cut short"), std::pair("cut.ply", "the file is cut short"),
+        std::pair("damaged.pcd", "SIZE has 2 entries")}) {
+    const std::string file = name;
+    CAPTURE(file);
+    const Result result = run(folder, {"scanlock-convert", folder / file, folder / "site.map"});
+    CHECK(result.code == 1);
+    CHECK(contains(result.errors, file));
+    CHECK(contains(result.errors, reason));
+    CHECK(std::count(result.errors.begin(), result.errors.end(), '\n') == 1);
+    CHECK_FALSE(std::filesystem::exists(folder / "site.map"));
+  }
+}
+
 TEST_CASE("what is no map to start in is an error with its name and a reason") {
   const TemporaryFolder folder;
   const std::string log = std::string(SCANLOCK_SOURCE_DIR) + "/test/logs/drive_urban.lcmlog";
@@ -94,7 +123,7 @@ TEST_CASE("what is no map to start in is an error with its name and a reason") {
   write_cloud(folder / "empty.ply", {});
   write_file(folder / "cut.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 9\n");
   for (const auto& [name, reason] :
-       {std::pair("wall.ply", "no floor in it"), std::pair("empty.ply", "no floor in it"),
+       {std::pair("wall.ply", "no floor in it"), std::pair("empty.ply", "holds no points"),
         std::pair("cut.ply", "cut.ply"), std::pair("none.ply", "no such file")}) {
     const std::string file = name;  // clang++ 14 captures no structured binding
     CAPTURE(file);

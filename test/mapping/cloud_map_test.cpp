@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
+#include <utility>
 
 #include "geometry/moved_cloud.hpp"
 #include "mapping/solid_cloud.hpp"
@@ -22,6 +24,13 @@ void add_rectangle(const Eigen::Vector3f& corner, const Eigen::Vector3f& u, cons
   const auto count = static_cast<std::size_t>(u.norm() * v.norm() / (spacing * spacing));
   for (std::size_t i = 0; i < count; ++i)
     cloud->push_back(corner + uniform(random) * u + uniform(random) * v);
+}
+
+SolidCloud solid_of(const PointCloud& cloud, float voxel) {
+  SolidCloud solid(voxel);
+  solid.add(cloud);
+  solid.close();
+  return solid;
 }
 
 /// Two rooms of 8 x 6 m beside each other, 2.5 m high, without a door: x from 0 to 8 and from 8 to 16. A
@@ -46,7 +55,7 @@ TEST_CASE("rays end at the first surface, whatever its points lie apart, and pas
     PointCloud cloud;
     add_rectangle({5, -5, -5}, {0, 10, 0}, {0, 0, 10}, spacing, &cloud);
     add_rectangle({7, -5, -5}, {0, 10, 0}, {0, 0, 10}, spacing, &cloud);
-    const SolidCloud solid(cloud, 0.1F);
+    const SolidCloud solid = solid_of(cloud, 0.1F);
     int rays = 0, first = 0;
     for (float y = -0.6F; y < 0.6F; y += 0.031F) {
       for (float z = -0.6F; z < 0.6F; z += 0.037F) {
@@ -54,7 +63,7 @@ TEST_CASE("rays end at the first surface, whatever its points lie apart, and pas
         const auto hit = solid.hit({0.01F, 0.02F, 0.03F}, way, 50);
         ++rays;
         if (!hit) continue;
-        const Eigen::Vector3f there = solid.points().point(*hit);
+        const Eigen::Vector3f there = solid.point(*hit);
         if (there.x() < 6) ++first;
         CHECK(there.cross(way).norm() < 1.0F);  // at the ray
         CHECK_FALSE(solid.hit({0.01F, 0.02F, 0.03F}, -way, 50));
@@ -70,7 +79,7 @@ TEST_CASE("a ray meets what it would meet voxel by voxel") {
   std::uniform_real_distribution<float> uniform(-6, 6);
   PointCloud cloud;
   for (int i = 0; i < 60; ++i) cloud.push_back(uniform(random), uniform(random), uniform(random));
-  const SolidCloud solid(cloud, 0.5F);  // few points: they hide their own voxels only
+  const SolidCloud solid = solid_of(cloud, 0.5F);  // few points: they hide their own voxels only
   int hits = 0;
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector3f eye(uniform(random), uniform(random), uniform(random));
@@ -88,7 +97,7 @@ TEST_CASE("a ray meets what it would meet voxel by voxel") {
     if (first) REQUIRE(hit);
     if (!hit || !first) continue;
     const Eigen::Vector3f inside = eye + (*first + 0.001F) * way;
-    CHECK((solid.points().point(*hit) - inside).cwiseAbs().maxCoeff() <= 0.55F);
+    CHECK((solid.point(*hit) - inside).cwiseAbs().maxCoeff() <= 0.55F);
   }
   CHECK(hits > 50);
 }
@@ -138,7 +147,7 @@ TEST_CASE("up may be any axis, and where nobody could stand the error says so") 
     CHECK(k.map_from_body.linear().col(2).isApprox(options.up, 1e-9));
     CHECK((turn.transpose() * k.map_from_body.translation()).z() < 2.5);
   }
-  CHECK_THROWS_WITH_AS(map_of_cloud({}, "none.ply", {}), doctest::Contains("none.ply: no floor"),
+  CHECK_THROWS_WITH_AS(map_of_cloud({}, "none.ply", {}), doctest::Contains("none.ply: holds no points"),
                        std::runtime_error);
   PointCloud dot;
   for (int i = 0; i < 100; ++i) dot.push_back(1, 2, 3);
@@ -148,6 +157,58 @@ TEST_CASE("up may be any axis, and where nobody could stand the error says so") 
   broken.push_back(std::nanf(""), 0, 0);
   broken.push_back(0, std::numeric_limits<float>::infinity(), 0);
   CHECK_FALSE(map_of_cloud(broken, "rooms", {}).keyframes.empty());
+}
+
+TEST_CASE("a map depends neither on the order in which the points of its cloud come, nor on threads") {
+  const PointCloud cloud = two_rooms(0.05F);
+  const SavedMap whole = map_of_cloud(cloud, "rooms", {});
+  std::vector<std::uint32_t> order(cloud.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::shuffle(order.begin(), order.end(), std::mt19937(7));
+  CloudMapOptions threads;
+  threads.threads = 3;
+  CloudMapBuilder builder(threads);
+  for (std::size_t begin = 0; begin < order.size(); begin += 999) {
+    PointCloud part;
+    for (std::size_t i = begin; i < std::min(begin + 999, order.size()); ++i)
+      part.push_back(cloud.point(order[i]));
+    builder.add(std::move(part));
+  }
+  const SavedMap parts = builder.build("rooms");
+  REQUIRE(parts.keyframes.size() == whole.keyframes.size());
+  for (std::size_t i = 0; i < whole.keyframes.size(); ++i) {
+    CHECK(parts.keyframes[i].map_from_body.matrix() == whole.keyframes[i].map_from_body.matrix());
+    CHECK(parts.keyframes[i].points->x == whole.keyframes[i].points->x);
+    CHECK(parts.keyframes[i].points->z == whole.keyframes[i].points->z);
+  }
+}
+
+TEST_CASE(
+    "a cloud far from its origin, and one that hangs upside down, are no maps, and the error says why") {
+  PointCloud far = two_rooms(0.1F);
+  for (float& x : far.x) x += 4e6F;
+  CHECK_THROWS_WITH_AS(map_of_cloud(far, "utm.ply", {}), doctest::Contains("utm.ply: none of its"),
+                       std::runtime_error);
+  // A yard with walls and boxes, without a ceiling.
+  PointCloud yard;
+  add_rectangle({0, 0, 0}, {30, 0, 0}, {0, 30, 0}, 0.07F, &yard);
+  for (const float side : {0.0F, 30.0F}) {
+    add_rectangle({side, 0, 0}, {0, 30, 0}, {0, 0, 4}, 0.07F, &yard);
+    add_rectangle({0, side, 0}, {30, 0, 0}, {0, 0, 4}, 0.07F, &yard);
+  }
+  for (const float x : {8.0F, 15.0F, 22.0F}) {
+    add_rectangle({x, 10, 0}, {2, 0, 0}, {0, 0, 2}, 0.07F, &yard);
+    add_rectangle({x, 10, 0}, {0, 2, 0}, {0, 0, 2}, 0.07F, &yard);
+  }
+  CHECK_FALSE(map_of_cloud(yard, "yard.ply", {}).keyframes.empty());
+  Eigen::Matrix3d over;  // about x
+  over << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+  yard = moved(yard, Pose(over));
+  CHECK_THROWS_WITH_AS(map_of_cloud(yard, "yard.ply", {}), doctest::Contains("yard.ply: no floor"),
+                       std::runtime_error);
+  CloudMapOptions down;
+  down.up = -Eigen::Vector3d::UnitZ();
+  CHECK_FALSE(map_of_cloud(yard, "yard.ply", down).keyframes.empty());
 }
 
 TEST_CASE("the cloud of a map is what its keyframes saw, in the map's frame") {
