@@ -45,7 +45,7 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
       find_closure(closure, expected, resolution(request.search, reach), config, &answer.closure.reason);
   if (!found) return answer;
   // In a tunnel every place along it fits, and agrees with every other.
-  if (unknown_axes(inverse(found->information), ~0U) != 0) {
+  if (unknown_axes(inverse(found->information), kOnTheGround, kSamePlace, kSameHeading) != 0) {
     answer.closure.reason.insert(0, "leaves a motion open: ");
     return answer;
   }
