@@ -32,17 +32,21 @@ Matrix6 with_floor(const Matrix6& covariance) {
   return covariance + kPoseFloor * kPoseFloor * Matrix6::Identity();
 }
 
+MotionPrior at_rest(const Pose& expected, const Matrix6& covariance) {
+  MotionPrior prior;
+  prior.mean.pose = expected;
+  prior.information.topLeftCorner<6, 6>() = inverse(with_floor(covariance));
+  prior.information.bottomRightCorner<6, 6>() = kStill * Matrix6::Identity();
+  return prior;
+}
+
 Attempt align(const ClosureRequest& request, const std::vector<ArchivedKeyframe>& map, const Pose& expected,
               const Matrix6& covariance, const TrackerConfig& config) {
   Odometer odometer(config);
   odometer.set_planar(request.planar);
   odometer.reload(map, {expected.translation()}, request.voxel);
   odometer.set_usual(request.usual);
-  MotionPrior prior;
-  prior.mean.pose = expected;
-  prior.information.topLeftCorner<6, 6>() = inverse(with_floor(covariance));
-  prior.information.bottomRightCorner<6, 6>() = kStill * Matrix6::Identity();
-  return odometer.look_far(prepared(request), prior);
+  return odometer.look_far(prepared(request), at_rest(expected, covariance));
 }
 
 }  // namespace
@@ -95,6 +99,14 @@ std::optional<Constraint> find_closure(const ClosureRequest& request, const Pose
   }
   closure.loop_closure = true;
   return closure;
+}
+
+void learn_usual(const ClosureRequest& request, Odometer* odometer) {
+  const Pose& here = request.keyframe.map_from_body;
+  odometer->reload(request.recent, {here.translation()}, request.voxel);
+  odometer->set_pose(here);
+  const Attempt attempt = odometer->align(prepared(request), at_rest(here, Matrix6::Zero()), Reach::kNear);
+  if (explains(attempt, std::numeric_limits<double>::infinity())) odometer->accept(attempt);
 }
 
 bool agree(const PoseGraph& earlier_visit, const PoseGraph& this_visit, const Constraint& a,

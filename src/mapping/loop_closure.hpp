@@ -73,6 +73,8 @@ ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& con
 std::optional<Constraint> find_closure(const ClosureRequest& request, const Pose& expected,
                                        const Matrix6& covariance, const TrackerConfig& config,
                                        std::string* reason);
+/// An odometer learns what it costs to align the keyframe with the recent ones, where it is.
+void learn_usual(const ClosureRequest& request, Odometer* odometer);
 /// Whether two closures say the same of how the two visits lie to each other, as far as they and the ways
 /// between them are known.
 bool agree(const PoseGraph& earlier_visit, const PoseGraph& this_visit, const Constraint& a,

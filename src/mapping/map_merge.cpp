@@ -1,0 +1,284 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "mapping/map_merge.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "mapping/loop_closure.hpp"
+#include "mapping/submap.hpp"
+#include "mapping/submap_join.hpp"
+#include "odometry/place_search.hpp"
+#include "odometry/scan_preparation.hpp"
+
+namespace scanlock {
+namespace {
+
+// Caps on cost: a search takes about a second of CPU.
+constexpr std::size_t kMostKeyframes = 100;  // of the second map that are looked for
+constexpr int kLooks = 3;            // searches of one keyframe, each in another part of the first map
+constexpr std::size_t kLearnt = 50;  // keyframes that tell what is usual in the second map
+
+constexpr double kVoxel = 1.0 / 100.0;  // of the reach, as keyframes are thinned
+
+/// The keyframes that are tied to a map's frame, with ids from `first_id` on, and the graph of those.
+struct Side {
+  std::vector<ArchivedKeyframe> keyframes;
+  Submap submap;
+
+  Side(const SavedMap& saved, std::uint32_t first_id) {
+    const PoseGraph whole = submaps_of(saved).front().graph;
+    std::map<std::uint32_t, std::uint32_t> ids = {{kOriginNode, kOriginNode}};
+    submap.graph.add(kOriginNode, Pose::Identity());
+    for (std::uint32_t place = 1; place <= saved.keyframes.size(); ++place) {
+      if (!whole.contains(place)) continue;
+      ArchivedKeyframe keyframe = saved.keyframes[place - 1];
+      keyframe.id = first_id++;
+      ids.emplace(place, keyframe.id);
+      submap.graph.add(keyframe.id, keyframe.map_from_body);
+      keyframes.push_back(std::move(keyframe));
+    }
+    for (Constraint c : whole.constraints()) {
+      c.from = ids.at(c.from);
+      c.to = ids.at(c.to);
+      submap.graph.connect(c);
+    }
+  }
+
+  const ArchivedKeyframe& keyframe(std::uint32_t id) const { return keyframes[id - keyframes.front().id]; }
+};
+
+class Merger {
+ public:
+  Merger(const SavedMap& first, const SavedMap& second, const TrackerConfig& config,
+         const std::function<void(std::uint64_t, std::uint64_t)>& progress)
+      : config_(config),
+        progress_(progress),
+        there_(first, 1),
+        here_(second, static_cast<std::uint32_t>(there_.keyframes.size()) + 1),
+        archive_(std::numeric_limits<std::size_t>::max()) {
+    archive_.restore(there_.keyframes, true);
+    planar_ = !here_.keyframes.empty() && is_planar(*here_.keyframes.front().points);
+    learn();
+  }
+
+  /// Whether enough searches agree, and no two others agree on another overlap.
+  bool join(MapMerge* result) {
+    const std::vector<std::uint32_t> wanted = spread();
+    all_ = wanted.size() + here_.keyframes.size();
+    std::vector<JoinFind> finds;
+    for (const std::uint32_t id : wanted) {
+      tell();
+      const std::vector<JoinAnswer> answers = look_for(here_.keyframe(id), {});
+      result->found += answers.empty() ? 0 : 1;
+      for (const JoinAnswer& answer : answers)
+        finds.push_back({answer.closure.closure, answer.closure.nearest_keyframe});
+    }
+    result->searches = wanted.size();
+    const auto [agreeing, others] = largest_agreement(finds);
+    result->agreeing = agreeing.size();
+    result->otherwise = largest_agreement(others).first.size();
+    if (agreeing.size() < static_cast<std::size_t>(kSureWitnesses) || result->otherwise > 1) return false;
+    // The search that they all agree with once more, now that it can be accepted.
+    const std::vector<JoinAnswer> answers =
+        look_for(here_.keyframe(agreeing.front().closure.to), {agreeing.begin() + 1, agreeing.end()});
+    const auto answer = std::find_if(answers.begin(), answers.end(), [](const JoinAnswer& a) {
+      return a.closure.outcome == ClosureOutcome::kAccepted;
+    });
+    if (answer == answers.end()) return false;
+    both_ = joined(here_.submap, there_.submap, answer->closure.closure);
+    for (const Constraint& c : answer->agreeing) both_.connect(c);
+    settle(answer->closure);
+    return true;
+  }
+
+  /// Along the overlap, in the order of the second map.
+  void close_loops() {
+    std::optional<Constraint> pending;
+    for (std::size_t i = 0; i < here_.keyframes.size(); ++i) {
+      tell();
+      ClosureRequest request = around(here_.keyframes[i]);
+      request.earlier = nearest_to(request.keyframe.map_from_body.translation(),
+                                   static_cast<double>(request.keyframe.reach), there_.keyframes,
+                                   [](const ArchivedKeyframe&) { return true; });
+      if (request.earlier.empty() || request.recent.empty()) continue;
+      request.graph = both_;
+      request.nearest = request.nearest_keyframe = request.earlier.front().id;
+      request.own_from_nearest = request.earlier.front().map_from_body;
+      request.pending = std::exchange(pending, std::nullopt);
+      request.usual_information = usual_information_;
+      const ClosureAnswer answer = close_loop(request, config_);
+      if (answer.outcome == ClosureOutcome::kPending) pending = answer.closure;
+      if (answer.outcome != ClosureOutcome::kAccepted) continue;
+      both_.connect(*request.pending);
+      settle(answer);
+    }
+  }
+
+  /// What a file keeps.
+  SavedMap saved(const SavedMap& first) const {
+    SavedMap map;
+    map.epoch = first.epoch;
+    map.last_pose = first.last_pose;
+    map.up = first.up;
+    for (const Side* side : {&there_, &here_})
+      map.keyframes.insert(map.keyframes.end(), side->keyframes.begin(), side->keyframes.end());
+    map.constraints = both_.constraints();
+    return map;
+  }
+
+  std::size_t closures() const {
+    const auto is_second = [&](std::uint32_t id) { return id >= here_.keyframes.front().id; };
+    return static_cast<std::size_t>(
+        std::count_if(both_.constraints().begin(), both_.constraints().end(),
+                      [&](const Constraint& c) { return is_second(c.from) != is_second(c.to); }));
+  }
+
+ private:
+  void tell() {
+    if (progress_) progress_(done_++, all_);
+  }
+
+  /// What alignments cost within the second map: a place in the first one has to explain a keyframe as well.
+  void learn() {
+    Odometer odometer(config_);
+    odometer.set_planar(planar_);
+    const std::size_t step = std::max<std::size_t>(1, here_.keyframes.size() / kLearnt);
+    for (std::size_t i = 0; i < here_.keyframes.size(); i += step) {
+      const ClosureRequest request = around(here_.keyframes[i]);
+      if (!request.recent.empty()) learn_usual(request, &odometer);
+    }
+    usual_ = odometer.usual();
+  }
+
+  /// Keyframes of the second map, so far apart that two finds of them count as two.
+  std::vector<std::uint32_t> spread() const {
+    std::vector<std::uint32_t> apart;
+    for (const ArchivedKeyframe& k : here_.keyframes) {
+      const bool is_covered = std::any_of(apart.begin(), apart.end(), [&](std::uint32_t id) {
+        const Eigen::Vector3d way =
+            here_.keyframe(id).map_from_body.translation() - k.map_from_body.translation();
+        return way.norm() < kSameSpot * static_cast<double>(k.reach);
+      });
+      if (!is_covered) apart.push_back(k.id);
+    }
+    const std::size_t step = (apart.size() + kMostKeyframes - 1) / kMostKeyframes;
+    std::vector<std::uint32_t> taken;
+    for (std::size_t i = 0; i < apart.size(); i += step) taken.push_back(apart[i]);
+    return taken;
+  }
+
+  /// The most finds that agree with one of them, which comes first, and all others. Of a keyframe that was
+  /// found in several places one find counts.
+  std::pair<std::vector<JoinFind>, std::vector<JoinFind>> largest_agreement(
+      const std::vector<JoinFind>& finds) const {
+    std::vector<JoinFind> most, rest;
+    for (const JoinFind& find : finds) {
+      std::vector<JoinFind> agreeing = {find}, others;
+      for (const JoinFind& other : finds) {
+        if (&other == &find) continue;
+        const bool agrees = agree(there_.submap.graph, here_.submap.graph, other.closure, find.closure);
+        const bool counted = std::any_of(agreeing.begin(), agreeing.end(),
+                                         [&](const JoinFind& f) { return f.closure.to == other.closure.to; });
+        if (!agrees) others.push_back(other);
+        if (agrees && !counted) agreeing.push_back(other);
+      }
+      if (agreeing.size() <= most.size()) continue;
+      most = std::move(agreeing);
+      rest = std::move(others);
+    }
+    return {most, rest};
+  }
+
+  ClosureRequest around(const ArchivedKeyframe& keyframe) const {
+    ClosureRequest request;
+    request.keyframe = keyframe;
+    request.recent =
+        nearest_to(keyframe.map_from_body.translation(), static_cast<double>(keyframe.reach), here_.keyframes,
+                   [&](const ArchivedKeyframe& k) { return k.id != keyframe.id; });
+    request.voxel =
+        std::clamp(kVoxel * static_cast<double>(keyframe.reach), config_.min_voxel_m, config_.max_voxel_m);
+    request.planar = planar_;
+    request.usual = usual_;
+    return request;
+  }
+
+  /// What is found of a keyframe's surroundings in the parts of the first map that look most like them.
+  std::vector<JoinAnswer> look_for(const ArchivedKeyframe& keyframe, const std::vector<JoinFind>& finds) {
+    std::vector<JoinAnswer> found;
+    JoinRequest request;
+    request.closure = around(keyframe);
+    if (request.closure.recent.empty()) return found;
+    request.active = here_.submap;
+    request.others = {there_.submap};
+    request.finds = finds;
+    Odometer seen(config_);
+    seen.set_planar(planar_);
+    std::vector<ArchivedKeyframe> near = request.closure.recent;
+    near.push_back(keyframe);
+    seen.reload(near, {keyframe.map_from_body.translation()}, request.closure.voxel);
+    PlaceSearch search(kUnlimited);
+    search.begin(std::nullopt);
+    search.begin_anew();
+    for (int look = 1; look <= kLooks && !search.looked_everywhere(); ++look) {
+      const Surroundings surroundings{seen.map(), keyframe.map_from_body, look * kPause, std::nullopt};
+      std::optional<RecoveryRequest> next = search.next(1, surroundings, archive_, std::nullopt);
+      if (!next) break;
+      request.search = std::move(*next);
+      const JoinAnswer answer = join_submaps(request, finder_, config_);
+      if (answer.closure.outcome != ClosureOutcome::kRefused) found.push_back(answer);
+      // Whatever was found, another part may look the same.
+      search.take(answer.search.serial, false, answer.search.evidence == PlaceEvidence::kLittle, 0);
+    }
+    return found;
+  }
+
+  /// The closure was accepted: the graph was optimised with it.
+  void settle(const ClosureAnswer& answer) {
+    both_.connect(answer.closure);
+    both_.move(answer.map_from_node);
+    usual_information_ = answer.closure.information;
+    for (Side* side : {&there_, &here_}) {
+      for (ArchivedKeyframe& k : side->keyframes) {
+        const Pose& moved = both_.nodes().at(k.id);
+        const Eigen::Matrix3d turn = moved.linear() * k.map_from_body.linear().transpose();
+        for (Eigen::Vector3f& stand : k.stands) stand = turn.cast<float>() * stand;
+        k.map_from_body = moved;
+      }
+    }
+  }
+
+  static constexpr double kUnlimited = 1e9;  // cores: nothing else waits for them
+  static constexpr int kPause = 10000;       // scans: longer than any pause between searches
+  TrackerConfig config_;
+  const std::function<void(std::uint64_t, std::uint64_t)>& progress_;
+  std::uint64_t done_ = 0, all_ = 0;  ///< keyframes
+  Side there_, here_;                 ///< the first map and the second; in one frame once they are joined
+  KeyframeArchive archive_;           ///< of the first
+  bool planar_ = false;
+  Odometer::Usual usual_;
+  PlaceFinder finder_;
+  PoseGraph both_;  ///< once they are joined
+  Matrix6 usual_information_ = Matrix6::Identity();
+};
+
+}  // namespace
+
+MapMerge merge_maps(const SavedMap& first, const SavedMap& second, const TrackerConfig& config,
+                    const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+  MapMerge result;
+  if (first.keyframes.empty() || second.keyframes.empty()) return result;
+  Merger merger(first, second, config, progress);
+  result.joined = merger.join(&result);
+  if (!result.joined) return result;
+  merger.close_loops();
+  result.closures = merger.closures();
+  result.map = merger.saved(first);
+  return result;
+}
+
+}  // namespace scanlock
