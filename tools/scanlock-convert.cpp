@@ -26,6 +26,7 @@
 #include "io/scan_log.hpp"
 #include "io/trajectory_source.hpp"
 #include "mapping/cloud_map.hpp"
+#include "mapping/map_merge.hpp"
 #include "mapping/submap.hpp"
 
 namespace {
@@ -34,7 +35,7 @@ using namespace scanlock;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string input, output, channel, type = "pointcloud2", format = "bin";
+  std::string input, output, merged, channel, type = "pointcloud2", format = "bin";
   std::optional<std::size_t> scan;
   ScanDirectory::Clock clock;
   bool info = false, json = false, force = false;
@@ -55,6 +56,8 @@ constexpr const char* kFooter = R"(What is done depends on IN and OUT:
   SITE.map SITE.ply|SITE.pcd
                             what the keyframes of a map have seen, as one cloud in its frame, thinned to 5 cm; submaps that
                             nothing ties to its frame are left out
+  A.map B.map SITE.map      two maps with an overlap, of any two starts and days, as one in the frame of the first; exit 1 where
+                            no overlap is believed. Submaps that nothing ties to the frame of their file are left out.
   LOG OUT.tum|OUT.kitti     a pose channel (POSE_BODY_CORRECTED) as a trajectory
   IN.tum OUT.kitti, IN.kitti OUT.tum
                             a trajectory in the other format; IN is told by its content, OUT by its name
@@ -72,6 +75,7 @@ void declare(CLI::App& app, Options& options) {
        "scanlock-convert poses.lcmlog poses.tum --channel POSE_BODY_CORRECTED"});
   app.add_option("IN", options.input, "a directory of scans, an LCM log or a trajectory")->required();
   app.add_option("OUT", options.output, "an LCM log, a new directory, a cloud or a trajectory");
+  app.add_option("SITE", options.merged, "the map that the maps IN and OUT become");
   app.add_option("--channel", options.channel, "of the scans (default: LIDAR) or poses (POSE_BODY_CORRECTED)")
       ->check(channel_name());
   app.add_option("--type", options.type, "message type of the scans in a new log (default: pointcloud2)")
@@ -264,6 +268,34 @@ void convert_map(const Options& options) {
     std::cout << map.keyframes.size() << " keyframes, " << points << " points -> " << options.output << "\n";
 }
 
+void merge(const Options& options) {
+  const SavedMap first = read_map(options.input), second = read_map(options.output);
+  MapMerge merged;
+  {
+    ProgressBar bar("overlap");
+    merged = merge_maps(first, second, {}, shown_by(bar));
+  }
+  if (!merged.joined) {
+    const std::string others =
+        merged.otherwise > 1 ? ", and " + std::to_string(merged.otherwise) + " on another one" : "";
+    throw std::runtime_error(
+        options.output + ": no overlap with " + options.input + " is believed, and no map is written: of " +
+        std::to_string(merged.searches) + " keyframes that were looked for " + std::to_string(merged.found) +
+        " were found, and " + std::to_string(merged.agreeing) + " of them agree on an overlap" + others);
+  }
+  write_map(options.merged, merged.map);
+  if (options.json)
+    print_json(Json{{"keyframes", merged.map.keyframes.size()},
+                    {"searches", merged.searches},
+                    {"found", merged.found},
+                    {"agreeing", merged.agreeing},
+                    {"closures", merged.closures},
+                    {"output", options.merged}});
+  else
+    std::cout << merged.map.keyframes.size() << " keyframes, " << merged.closures
+              << " loop closures between the two -> " << options.merged << "\n";
+}
+
 /// The kind of output follows from IN; a name that says another was not meant so.
 void check_kind(const Options& options, bool from_directory, bool to_directory) {
   const std::string &input = options.input, &output = options.output;
@@ -286,6 +318,13 @@ void run(const Options& options) {
   if (!fs::exists(options.input, error))
     throw std::runtime_error(options.input + ": " + (error ? error.message() : "no such file or directory"));
   if (options.info) return show_info(options);
+  if (!options.merged.empty()) {
+    for (const std::string& map : {options.input, options.output, options.merged})
+      if (fs::path(map).extension() != ".map")
+        throw UsageError("three files are two maps and the one that they become, each a .map: " + map);
+    check_outputs({{options.input, options.output}, {options.merged}, ""}, options.force);
+    return merge(options);
+  }
   const bool directory = fs::is_directory(options.input), log = !directory && is_log(options.input);
   const fs::path extension = fs::path(options.output).extension();
   const bool to_trajectory = extension == ".tum" || extension == ".kitti" || extension == ".txt";

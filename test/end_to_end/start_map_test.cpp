@@ -113,6 +113,23 @@ TEST_CASE("what no map can be made of is exit 1 and one line that names it and s
   }
 }
 
+TEST_CASE("maps without an overlap are not merged, and nothing is written") {
+  const TemporaryFolder folder;
+  write_map(folder / "a.map", {});
+  write_map(folder / "b.map", {});
+  const Result apart =
+      run(folder, {"scanlock-convert", folder / "a.map", folder / "b.map", folder / "c.map"});
+  CHECK(apart.code == 1);
+  CHECK(contains(apart.errors, "b.map: no overlap with"));
+  CHECK(std::count(apart.errors.begin(), apart.errors.end(), '\n') == 1);
+  CHECK_FALSE(std::filesystem::exists(folder / "c.map"));
+  CHECK(run(folder, {"scanlock-convert", folder / "a.map", folder / "b.map", folder / "c.ply"}).code == 2);
+  CHECK(run(folder, {"scanlock-convert", folder / "a.map", folder / "b.map", folder / "b.map"}).code == 1);
+  const Result none = run(folder, {"scanlock-convert", folder / "a.map", folder / "n.map", folder / "c.map"});
+  CHECK(none.code == 1);
+  CHECK(contains(none.errors, "n.map: no such file"));
+}
+
 TEST_CASE("what is no map to start in is an error with its name and a reason") {
   const TemporaryFolder folder;
   const std::string log = std::string(SCANLOCK_SOURCE_DIR) + "/test/logs/drive_urban.lcmlog";
