@@ -314,14 +314,15 @@ void run(const Options& options) {
   namespace fs = std::filesystem;
   if (options.info && !options.output.empty()) throw UsageError("--info takes no OUT");
   if (!options.info && options.output.empty()) throw UsageError("OUT is missing (or --info)");
+  if (!options.merged.empty())
+    for (const std::string& map : {options.input, options.output, options.merged})
+      if (fs::path(map).extension() != ".map")
+        throw UsageError("three files are two maps and the one that they become, each a .map: " + map);
   std::error_code error;
   if (!fs::exists(options.input, error))
     throw std::runtime_error(options.input + ": " + (error ? error.message() : "no such file or directory"));
   if (options.info) return show_info(options);
   if (!options.merged.empty()) {
-    for (const std::string& map : {options.input, options.output, options.merged})
-      if (fs::path(map).extension() != ".map")
-        throw UsageError("three files are two maps and the one that they become, each a .map: " + map);
     check_outputs({{options.input, options.output}, {options.merged}, ""}, options.force);
     return merge(options);
   }
