@@ -238,7 +238,7 @@ void convert_map(const Options& options) {
   std::size_t points = 0;
   if (is_bare_cloud(options.input)) {
     CloudMapOptions how;
-    how.threads = static_cast<int>(std::thread::hardware_concurrency());
+    how.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     CloudMapBuilder builder(how);
     {
       ProgressBar bar("points");

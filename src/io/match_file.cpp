@@ -4,14 +4,13 @@
 
 #include <stdexcept>
 
-#include "io/file_bytes.hpp"
+#include "io/byte_source.hpp"
 #include "io/text_lines.hpp"
 
 namespace scanlock {
 
 Matches read_matches(const std::string& path, std::size_t most) {
-  const std::vector<std::uint8_t> bytes = read_file_bytes(path);
-  ByteSource source(bytes);
+  ByteSource source(path);
   TextLines lines(path, source);
   Matches matches;
   std::vector<double> numbers;

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "io/byte_source.hpp"
 #include "io/cloud_columns.hpp"
 #include "io/cloud_file.hpp"
 #include "io/file_bytes.hpp"
@@ -40,8 +41,7 @@ std::optional<std::uint64_t> scan_number(const fs::path& path) {
 }
 
 std::vector<double> read_times(const std::string& path) {
-  const auto bytes = read_file_bytes(path);
-  ByteSource source(bytes);
+  ByteSource source(path);
   TextLines lines(path, source);
   std::vector<double> times, numbers;
   while (const auto line = lines.next_with_content()) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "io/byte_source.hpp"
 #include "io/file_bytes.hpp"
 #include "io/text_lines.hpp"
 
@@ -49,8 +50,7 @@ StampedPose kitti_pose(const TextLines& lines, const std::vector<double>& v, std
 
 /// Every line of the file, all of the kind that has that many columns.
 Trajectory read_lines(const std::string& path, std::size_t columns) {
-  const auto bytes = read_file_bytes(path);
-  ByteSource source(bytes);
+  ByteSource source(path);
   TextLines lines(path, source);
   Trajectory trajectory;
   std::vector<double> numbers;
@@ -79,8 +79,7 @@ Trajectory read_kitti(const std::string& path) {
 }
 
 bool is_tum(const std::string& path) {
-  const auto bytes = read_file_bytes(path);
-  ByteSource source(bytes);
+  ByteSource source(path);
   TextLines lines(path, source);
   const auto line = lines.next_with_content();
   if (!line) lines.fail("the file holds no pose");

@@ -23,8 +23,6 @@ constexpr std::size_t kMostKeyframes = 100;  // of the second map that are looke
 constexpr int kLooks = 3;            // searches of one keyframe, each in another part of the first map
 constexpr std::size_t kLearnt = 50;  // keyframes that tell what is usual in the second map
 
-constexpr double kVoxel = 1.0 / 100.0;  // of the reach, as keyframes are thinned
-
 /// The keyframes that are tied to a map's frame, with ids from `first_id` on, and the graph of those.
 struct Side {
   std::vector<ArchivedKeyframe> keyframes;
@@ -200,8 +198,8 @@ class Merger {
     request.recent =
         nearest_to(keyframe.map_from_body.translation(), static_cast<double>(keyframe.reach), here_.keyframes,
                    [&](const ArchivedKeyframe& k) { return k.id != keyframe.id; });
-    request.voxel =
-        std::clamp(kVoxel * static_cast<double>(keyframe.reach), config_.min_voxel_m, config_.max_voxel_m);
+    request.voxel = std::clamp(kKeyframeVoxel * static_cast<double>(keyframe.reach), config_.min_voxel_m,
+                               config_.max_voxel_m);
     request.planar = planar_;
     request.usual = usual_;
     return request;

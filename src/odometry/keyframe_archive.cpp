@@ -14,12 +14,11 @@
 namespace scanlock {
 namespace {
 
-constexpr std::int64_t kFresh = 60000000;    // microseconds: the drift of a minute does not matter
-constexpr double kNeighbourhood = 20.0;      // metres
-constexpr std::size_t kMostPoints = 3000;    // of a place
-constexpr double kFirstVoxel = 1.0 / 100.0;  // of the reach
-constexpr double kLeastTie = 1e-8;           // (0.1 mm)^2 and (0.1 mrad)^2: no chain is rigid
-constexpr float kStandStep = 0.05F;          // radians, between two that count as different
+constexpr std::int64_t kFresh = 60000000;  // microseconds: the drift of a minute does not matter
+constexpr double kNeighbourhood = 20.0;    // metres
+constexpr std::size_t kMostPoints = 3000;  // of a place
+constexpr double kLeastTie = 1e-8;         // (0.1 mm)^2 and (0.1 mrad)^2: no chain is rigid
+constexpr float kStandStep = 0.05F;        // radians, between two that count as different
 
 template <typename Vector>
 bool stands_alike(const std::vector<Vector>& stands, const Vector& up) {
@@ -86,7 +85,8 @@ void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double 
   thin.x = points.x;
   thin.y = points.y;
   thin.z = points.z;
-  for (double voxel = kFirstVoxel * std::max(reach, 1.0); thin.size() > kMostPoints; voxel *= std::sqrt(2.0))
+  for (double voxel = kKeyframeVoxel * std::max(reach, 1.0); thin.size() > kMostPoints;
+       voxel *= std::sqrt(2.0))
     thin = select(thin, thin_by_voxel(thin, static_cast<float>(voxel)));
   ArchivedKeyframe keyframe;
   keyframe.utime = utime;

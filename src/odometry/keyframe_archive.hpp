@@ -15,8 +15,9 @@
 
 namespace scanlock {
 
-inline constexpr double kPlaceSpacing = 1.0 / 6.0;  ///< of the reach, between two keyframes of one way
-inline constexpr double kSameSpot = 1.0 / 3.0;      ///< of the reach: keyframes so near show the same ground
+inline constexpr double kPlaceSpacing = 1.0 / 6.0;     ///< of the reach, between two keyframes of one way
+inline constexpr double kKeyframeVoxel = 1.0 / 100.0;  ///< of the reach: a keyframe is thinned to it, or more
+inline constexpr double kSameSpot = 1.0 / 3.0;  ///< of the reach: keyframes so near show the same ground
 
 /// A place that the robot has been to: what it saw from there.
 struct ArchivedKeyframe {
