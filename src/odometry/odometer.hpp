@@ -95,6 +95,10 @@ class Odometer {
   Attempt probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
   /// Whether the next scan is that second one, for which an attempt with kDeskewPoints will do.
   bool awaits_second() const { return !first_.points.empty(); }
+  /// Of a scan that may be that one: how many points it has for one of the first.
+  double for_one_of_first(const PreparedScan& scan) const {
+    return static_cast<double>(scan.fine.size()) / static_cast<double>(first_.points.size());
+  }
   /// Aligns with the first scan, after that one's own motion was taken out: possible only once a second one
   /// shows the velocity, `dt` seconds later. Other attempts come back as they are. `any_speed`: of a vehicle;
   /// else near the one predicted, or none.

@@ -33,7 +33,8 @@ constexpr double kDegradedShare = 0.4;            // of the points of a scan: fe
 constexpr int kQuietScans = 5;                    // after that, before the map may grow
 constexpr int kAttitudes = 100;                   // that the upward direction is averaged over
 constexpr std::int64_t kAnotherRun = 3600000000;  // microseconds
-constexpr int kFalseStarts = 3;                   // scans that do not fit the first one: it was no good
+constexpr double kCovered = 0.5;  // of the first two scans: one has so few points for the other
+constexpr int kFalseStarts = 3;   // scans that do not fit the first one: it was no good
 
 Eigen::Vector3d up_in_body(const ScanPrior& hints) {
   return hints.level_from_body->conjugate() * Eigen::Vector3d::UnitZ();
@@ -212,6 +213,15 @@ struct Tracker::State {
 
   void track_on(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
     MotionPrior prior = predict();
+    if (odometer->awaits_second()) {  // of a pair of which one is covered the motion of neither follows
+      const double more = odometer->for_one_of_first(scan);
+      if (more < kCovered || more * kCovered > 1) {
+        describe({}, PoseMethod::kPredicted, tracked);
+        coast(prior);
+        if (more > 1 || distrusted_scans >= kFalseStarts) start(scan);
+        return;
+      }
+    }
     Attempt attempt = odometer->deskew_first(scan, dt, align_or_retry(scan, prior), true);
     if (hints.motion && !trusted(attempt)) {  // what others say is asked where the scans do not suffice
       prior = predict(hints);
