@@ -218,13 +218,21 @@ SavedMap CloudMapBuilder::build(const std::string& name,
   const auto range = static_cast<float>(options_.max_range_m);
   Eyes eyes;
   KeyframeArchive archive(std::numeric_limits<std::size_t>::max());
+  // Heights of eyes that saw nothing that stands: of the four cells of a roof or a bare field that
+  // lie together one is tried.
+  std::map<Cell, float> barren;
   std::uint64_t done = 0;
   for (const Place& place : places) {
     if (progress) progress(++done, places.size());
     const Eigen::Vector3f eye = place.middle() + kEye * Eigen::Vector3f::UnitZ();
+    const auto nothing = barren.find(cell_of(eye, 2 * kFloorCell));
+    if (nothing != barren.end() && std::abs(nothing->second - eye.z()) < kStep) continue;
     if (!is_free(solid_, eye) || eyes.cover(solid_, eye)) continue;
     const View view = seen_from(solid_, eye, rays, range, options_.threads);
-    if (view.standing < kLeastSeen) continue;
+    if (view.standing < kLeastSeen) {
+      barren[cell_of(eye, 2 * kFloorCell)] = eye.z();
+      continue;
+    }
     eyes.add(eye, view.reach);
     Pose map_from_eye = Pose(level_.transpose());
     map_from_eye.translation() = level_.transpose() * eye.cast<double>();
