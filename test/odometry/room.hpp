@@ -72,16 +72,22 @@ inline Scan hall_scan(const Pose& pose, const Vector6& twist, std::int64_t utime
   return scan;
 }
 
-/// The same scan with what is left of the sensor covered.
-inline Scan half_of(const Scan& scan) {
+/// The same scan with the sensor covered, but for points of which `sees(x, y, z)` holds.
+template <class Sees>
+Scan covered(const Scan& scan, const Sees& sees) {
   std::vector<std::uint32_t> seen;
   for (std::uint32_t i = 0; i < scan.points.size(); ++i) {
-    if (!(scan.points.y[i] > 0)) seen.push_back(i);
+    if (sees(scan.points.x[i], scan.points.y[i], scan.points.z[i])) seen.push_back(i);
   }
-  Scan half;
-  half.utime = scan.utime;
-  half.points = select(scan.points, seen);
-  return half;
+  Scan rest;
+  rest.utime = scan.utime;
+  rest.points = select(scan.points, seen);
+  return rest;
+}
+
+/// The same scan with what is left of the sensor covered.
+inline Scan half_of(const Scan& scan) {
+  return covered(scan, [](float, float y, float) { return !(y > 0); });
 }
 
 /// The same hall, seen by a sensor of one plane with a beam a degree; ranges have noise.
