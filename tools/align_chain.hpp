@@ -35,7 +35,7 @@ inline std::optional<GlobalStart> global_link(const AlignOptions& options, Globa
   if (!is_global(options.method) || target.empty()) return std::nullopt;
   GlobalStart link = search.next(source, target);
   const AlignVerdict verdict = verdict_of(link.registration);
-  if (verdict.least > options.accept) {
+  if (verdict.least > acceptance(options.accept)) {
     const std::string words = source_path + " to " + target_path + ": " + verdict.why;
     if (!options.json)
       throw std::runtime_error(words + "; --json goes on, --method robust-icp-plane trusts small motions");

@@ -3,7 +3,6 @@
 // scanlock-align --correspondences: the 4DOF solver on a file of matches.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -30,7 +29,7 @@ struct AlignMatchesOptions {
   std::vector<double> up = {0, 0, 1};
   double tilt_degrees = 0;
   int threads = 1;
-  Acceptance accept = Acceptance::kCertain;
+  std::string accept = "certain";
   bool no_pruning = false, ransac = false, json = false;
   MatchRegistrationOptions registration;
 };
@@ -43,26 +42,23 @@ inline bool wants_matches(int argc, char** argv) {
   return false;
 }
 
-inline void declare_align_matches(CLI::App& app, AlignMatchesOptions& options) {
-  explain(app, "FILE: one match a line, px py pz qx qy qz, metres; # starts a comment.",
-          {"scanlock-align --correspondences matches.txt --epsilon 0.1 --json"});
-  app.add_option("--correspondences", options.file, "the candidate matches")->required();
-  app.add_option("--epsilon", options.registration.epsilon, "largest residual of an inlier, metres")
-      ->required();
-  app.add_flag("--no-pruning", options.no_pruning, "search all matches");
-  app.add_option("--budget", options.registration.budget_s,
-                 "end after so many seconds, with the gap that remains (default: none)");
-  app.add_option("--up", options.up, "the axis of rotation X,Y,Z (default: 0,0,1)")
-      ->delimiter(',')
-      ->expected(3);
-  app.add_option("--tilt", options.tilt_degrees,
-                 "gravity is known to so many degrees in either cloud (default: 0)");
-  app.add_flag("--ransac", options.ransac, "for comparison: RANSAC with samples of two matches; no proof");
-  app.add_option("--threads", options.threads, "taken for uniformity; the search runs in one thread")
-      ->check(CLI::Range(1, 256).description(""));
-  add_accept_option(app, options.accept,
+inline void declare_align_matches(CommandLine line, AlignMatchesOptions& options) {
+  line.explain("FILE: one match a line, px py pz qx qy qz, metres; # starts a comment.",
+               {"scanlock-align --correspondences matches.txt --epsilon 0.1 --json"});
+  line.option("--correspondences", options.file, "the candidate matches").required();
+  line.option("--epsilon", options.registration.epsilon, "largest residual of an inlier, metres").required();
+  line.flag("--no-pruning", options.no_pruning, "search all matches");
+  line.option("--budget", options.registration.budget_s,
+              "end after so many seconds, with the gap that remains (default: none)");
+  line.option("--up", options.up, "the axis of rotation X,Y,Z (default: 0,0,1)").comma_separated(3);
+  line.option("--tilt", options.tilt_degrees,
+              "gravity is known to so many degrees in either cloud (default: 0)");
+  line.flag("--ransac", options.ransac, "for comparison: RANSAC with samples of two matches; no proof");
+  line.option("--threads", options.threads, "taken for uniformity; the search runs in one thread")
+      .within(1, 256);
+  add_accept_option(line, options.accept,
                     "any: exit 0 also where the answer is not certified (default: certain)");
-  app.add_flag("--json", options.json, "print one JSON object");
+  line.flag("--json", options.json, "print one JSON object");
 }
 
 /// Fills in what follows from the options; throws UsageError for what cannot be meant.

@@ -3,7 +3,6 @@
 // The command line of scanlock-align for clouds.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <Eigen/Core>
 #include <string>
 #include <utility>
@@ -25,7 +24,7 @@ struct AlignOptions {
   double voxel = -1;  // negative: not given
   double nu_max = 0, nu_min = 0;
   int threads = 1;
-  Acceptance accept = Acceptance::kCertain;
+  std::string accept = "certain";
   bool thorough = false, chain = false, json = false, force = false;
 };
 
@@ -45,48 +44,46 @@ symmetric-icp, robust-symmetric-icp        the same with the normals of both clo
 
 scanlock-align --correspondences FILE --epsilon METRES solves a file of candidate matches instead; see its --help.)";
 
-inline void declare_align_options(CLI::App& app, AlignOptions& options) {
-  explain(app, kAlignFooter,
-          {"scanlock-align scan.ply site.ply --json",
-           "scanlock-align scan.ply site.ply --init T.txt --picture alignment.svg --output aligned.ply",
-           "scanlock-align scans/*.bin --chain --poses poses.tum --output map.ply"});
-  app.add_option("SOURCE", options.source, "the cloud to move")->required();
-  app.add_option("TARGET", options.target, "the cloud to move it to")->required();
-  app.add_option("MORE", options.more, "with --chain: further clouds");
-  app.add_flag(
+inline void declare_align_options(CommandLine line, AlignOptions& options) {
+  line.explain(kAlignFooter,
+               {"scanlock-align scan.ply site.ply --json",
+                "scanlock-align scan.ply site.ply --init T.txt --picture alignment.svg --output aligned.ply",
+                "scanlock-align scans/*.bin --chain --poses poses.tum --output map.ply"});
+  line.option("SOURCE", options.source, "the cloud to move").required();
+  line.option("TARGET", options.target, "the cloud to move it to").required();
+  line.option("MORE", options.more, "with --chain: further clouds");
+  line.flag(
       "--chain", options.chain,
       "register each cloud to the one before it; --output is the map, thinned like the clouds. With 4dof "
       "a pair whose verdict --accept does not take ends it (exit 1); with --json it goes on, and the "
       "verdict is in the pair's link");
-  app.add_option("--poses", options.poses,
-                 "with --chain: write the poses here, TUM, stamped 0, 1, 2, ..., in the frame of the first");
-  app.add_option("--method", options.method,
-                 "see below (default: 4dof+robust-icp; with --init: robust-icp-plane)");
-  app.add_option("--init", options.init, "start from this transform (default: identity)");
-  app.add_option("--truth", options.truth, "compare the result with this transform");
-  app.add_option("--voxel", options.voxel,
-                 "thin both clouds to a point a voxel of so many metres; 0: all points (default: by itself)")
-      ->check(number_from_zero(true));
-  app.add_option("--up", options.up, "4dof: the vertical of both clouds (default: 0,0,1)")
-      ->delimiter(',')
-      ->expected(3);
-  app.add_option("--epsilon", options.epsilon, "4dof: inlier threshold, metres (default: from the voxel)")
-      ->check(number_from_zero(false));
-  app.add_option("--nu-max", options.nu_max, "first scale, metres (default: three times the median residual)")
-      ->check(number_from_zero(false));
-  app.add_option("--nu-min", options.nu_min, "last scale, metres (default: from the sampling of the target)")
-      ->check(number_from_zero(false));
-  app.add_flag("--thorough", options.thorough,
-               "use all points and the final tolerance at every scale, as the paper does");
-  app.add_option("--threads", options.threads, "threads; the result does not depend on them (default: 1)")
-      ->check(CLI::Range(1, 256).description(""));
-  app.add_option("--output", options.output, "write the aligned source here");
-  app.add_option("--picture", options.picture, "write an SVG picture here");
-  add_accept_option(app, options.accept,
+  line.option("--poses", options.poses,
+              "with --chain: write the poses here, TUM, stamped 0, 1, 2, ..., in the frame of the first");
+  line.option("--method", options.method,
+              "see below (default: 4dof+robust-icp; with --init: robust-icp-plane)");
+  line.option("--init", options.init, "start from this transform (default: identity)");
+  line.option("--truth", options.truth, "compare the result with this transform");
+  line.option("--voxel", options.voxel,
+              "thin both clouds to a point a voxel of so many metres; 0: all points (default: by itself)")
+      .from_zero();
+  line.option("--up", options.up, "4dof: the vertical of both clouds (default: 0,0,1)").comma_separated(3);
+  line.option("--epsilon", options.epsilon, "4dof: inlier threshold, metres (default: from the voxel)")
+      .above_zero();
+  line.option("--nu-max", options.nu_max, "first scale, metres (default: three times the median residual)")
+      .above_zero();
+  line.option("--nu-min", options.nu_min, "last scale, metres (default: from the sampling of the target)")
+      .above_zero();
+  line.flag("--thorough", options.thorough,
+            "use all points and the final tolerance at every scale, as the paper does");
+  line.option("--threads", options.threads, "threads; the result does not depend on them (default: 1)")
+      .within(1, 256);
+  line.option("--output", options.output, "write the aligned source here");
+  line.option("--picture", options.picture, "write an SVG picture here");
+  add_accept_option(line, options.accept,
                     "which verdicts are exit 0: certain (the default; without 4dof: converged and not "
                     "degenerate), ambiguous (or degenerate), too, or any");
-  app.add_flag("--force", options.force, "overwrite outputs that are there already");
-  app.add_flag("--json", options.json, "print one JSON object");
+  line.flag("--force", options.force, "overwrite outputs that are there already");
+  line.flag("--json", options.json, "print one JSON object");
 }
 
 /// Fills in what follows from other options; throws UsageError for those that do not go together.

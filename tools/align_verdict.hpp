@@ -3,9 +3,7 @@
 // Which answers of scanlock-align are worth exit 0.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <iostream>
-#include <map>
 #include <string>
 
 #include "align_report.hpp"
@@ -17,12 +15,13 @@ namespace scanlock {
 /// Each takes what the one before it takes.
 enum class Acceptance { kCertain, kAmbiguous, kAny };
 
-inline void add_accept_option(CLI::App& app, Acceptance& accept, const std::string& description) {
-  static const std::map<std::string, Acceptance> names = {
-      {"certain", Acceptance::kCertain}, {"ambiguous", Acceptance::kAmbiguous}, {"any", Acceptance::kAny}};
-  app.add_option_function<std::string>(
-         "--accept", [&accept](const std::string& name) { accept = names.at(name); }, description)
-      ->check(CLI::IsMember(&names));
+/// `accept`: one of the names of an Acceptance.
+inline void add_accept_option(CommandLine line, std::string& accept, const std::string& description) {
+  line.option("--accept", accept, description).one_of({"certain", "ambiguous", "any"});
+}
+
+inline Acceptance acceptance(const std::string& name) {
+  return name == "certain" ? Acceptance::kCertain : name == "any" ? Acceptance::kAny : Acceptance::kAmbiguous;
 }
 
 /// What an answer is worth, and why, in words.
@@ -53,8 +52,8 @@ inline AlignVerdict verdict_of(const CloudAlignment& found) {
 }
 
 /// The exit code; what is not accepted is said in one sentence on standard error.
-inline int judge(const AlignVerdict& verdict, Acceptance accept) {
-  if (verdict.least <= accept) return 0;
+inline int judge(const AlignVerdict& verdict, const std::string& accept) {
+  if (verdict.least <= acceptance(accept)) return 0;
   std::cerr << "scanlock-align: " << verdict.why << "; --accept "
             << (verdict.least == Acceptance::kAny ? "any" : "ambiguous") << " takes it\n";
   return 1;

@@ -5,9 +5,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <cctype>
 #include <cerrno>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -48,6 +50,25 @@ std::string sentence_of(const CLI::ParseError& error, const CLI::App& app) {
   return error.what() + see_help;
 }
 
+/// CLI11's own take NaN, and name a range of 300 digits.
+CLI::Validator number_from_zero(bool zero_too) {
+  const auto check = [zero_too](const std::string& text) {
+    const std::optional<double> value = finite_number(text);
+    if (value && (zero_too ? *value >= 0 : *value > 0)) return std::string();
+    return text + (zero_too ? " is no number of 0 or more" : " is no number above 0");
+  };
+  return CLI::Validator(check, "");
+}
+
+CLI::Validator channel_name() {
+  constexpr std::size_t kLongest = 63;  // LCM's own limit
+  const auto check = [](const std::string& text) {
+    if (!text.empty() && text.size() <= kLongest) return std::string();
+    return "'" + text + "' is no channel: 1 to 63 characters";
+  };
+  return CLI::Validator(check, "");
+}
+
 }  // namespace
 
 void check_standard_output(bool good) {
@@ -69,30 +90,81 @@ void check_picture_path(const std::string& path) {
                            std::filesystem::path(name).replace_extension(".svg").string());
 }
 
-CLI::Validator number_from_zero(bool zero_too) {
-  const auto check = [zero_too](const std::string& text) {
-    double value = 0;
-    const bool number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
-    if (number && (zero_too ? value >= 0 : value > 0)) return std::string();
-    return text + (zero_too ? " is no number of 0 or more" : " is no number above 0");
-  };
-  return CLI::Validator(check, "");
+std::optional<double> finite_number(const std::string& text) {
+  double value = 0;
+  if (CLI::detail::lexical_cast(text, value) && std::isfinite(value)) return value;
+  return std::nullopt;
 }
 
-CLI::Validator channel_name() {
-  constexpr std::size_t kLongest = 63;  // LCM's own limit
-  const auto check = [](const std::string& text) {
-    if (!text.empty() && text.size() <= kLongest) return std::string();
-    return "'" + text + "' is no channel: 1 to 63 characters";
-  };
-  return CLI::Validator(check, "");
+Option Option::required() const {
+  option_->required();
+  return *this;
 }
 
-void explain(CLI::App& app, std::string text, const std::vector<std::string>& examples) {
+Option Option::default_shown() const {
+  option_->capture_default_str();
+  return *this;
+}
+
+Option Option::from_zero() const {
+  option_->check(number_from_zero(true));
+  return *this;
+}
+
+Option Option::above_zero() const {
+  option_->check(number_from_zero(false));
+  return *this;
+}
+
+Option Option::within(int least, int most) const {
+  option_->check(CLI::Range(least, most).description(""));
+  return *this;
+}
+
+Option Option::one_of(const std::vector<std::string>& names) const {
+  option_->check(CLI::IsMember(names));
+  return *this;
+}
+
+Option Option::channel() const {
+  option_->check(channel_name());
+  return *this;
+}
+
+Option Option::repeated() const {
+  option_->allow_extra_args(false);
+  return *this;
+}
+
+Option Option::comma_separated(int count) const {
+  option_->delimiter(',')->expected(count);
+  return *this;
+}
+
+template <typename Value>
+Option CommandLine::option(const std::string& names, Value& value, const std::string& help) {
+  return Option(app_.add_option(names, value, help));
+}
+template Option CommandLine::option(const std::string&, std::string&, const std::string&);
+template Option CommandLine::option(const std::string&, double&, const std::string&);
+template Option CommandLine::option(const std::string&, int&, const std::string&);
+template Option CommandLine::option(const std::string&, std::int64_t&, const std::string&);
+template Option CommandLine::option(const std::string&, std::uint64_t&, const std::string&);
+template Option CommandLine::option(const std::string&, std::optional<double>&, const std::string&);
+template Option CommandLine::option(const std::string&, std::optional<int>&, const std::string&);
+template Option CommandLine::option(const std::string&, std::optional<std::size_t>&, const std::string&);
+template Option CommandLine::option(const std::string&, std::vector<std::string>&, const std::string&);
+template Option CommandLine::option(const std::string&, std::vector<double>&, const std::string&);
+
+void CommandLine::flag(const std::string& names, bool& value, const std::string& help) {
+  app_.add_flag(names, value, help);
+}
+
+void CommandLine::explain(std::string text, const std::vector<std::string>& examples) {
   if (!text.empty()) text += "\n\n";
   text += examples.size() > 1 ? "Examples:" : "Example:";
   for (const std::string& example : examples) text += "\n  " + example;
-  app.footer(text);
+  app_.footer(text);
 }
 
 void say(const char* program, const char* sentence) {
@@ -100,7 +172,7 @@ void say(const char* program, const char* sentence) {
 }
 
 int run_program(const char* program, const char* description, int argc, char** argv,
-                const std::function<void(CLI::App&)>& declare, const std::function<int()>& work) {
+                const std::function<void(CommandLine)>& declare, const std::function<int()>& work) {
   occupy_standard_streams();
   try {
     std::cerr.tie(nullptr);  // it would flush standard output, and nobody would look at what came of that
@@ -108,7 +180,7 @@ int run_program(const char* program, const char* description, int argc, char** a
     app.set_help_flag("-h,--help", "print this help and exit");
     app.set_version_flag("-V,--version", std::string(program) + " " + SCANLOCK_VERSION,
                          "print the version and exit");
-    declare(app);
+    declare(CommandLine(app));
     int code = 0;
     try {
       app.parse(argc, argv);

@@ -1,7 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
 // Sends a command to a running daemon, and waits for the status that tells what became of it.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -39,10 +38,9 @@ constexpr const char* kFooter = R"(Commands:
 Files are those of the machine that the daemon runs on. Exit 0: done; 1: rejected, with the daemon's reason, or no answer.)";
 
 double number(const std::string& word) {
-  double value = 0;
-  if (!CLI::detail::lexical_cast(word, value) || !std::isfinite(value))
-    throw UsageError(word + ": not a number");
-  return value;
+  const std::optional<double> value = finite_number(word);
+  if (!value) throw UsageError(word + ": not a number");
+  return *value;
 }
 
 command_t command_of(const std::vector<std::string>& words) {
@@ -143,19 +141,16 @@ int run(const Options& options) {
   throw std::runtime_error("the daemon has not told what became of the command");
 }
 
-void declare(CLI::App& app, Options& options) {
-  explain(app, kFooter,
-          {"scanlock-command save yard.map",
-           "scanlock-command -l 'udpm://239.255.76.67:7667?ttl=1' set-pose 12.5 -3 0 90"});
-  app.add_option("COMMAND", options.words, "save, load, reset or set-pose, and its arguments")->required();
-  app.add_option("-l,--lcm-url", options.url,
-                 "LCM URL (default: LCM_DEFAULT_URL, else this host's multicast)");
-  app.add_option("--channel", options.channel, "of the commands (default: SCANLOCK_COMMAND)")
-      ->check(channel_name());
-  app.add_option("--status-channel", options.status_channel, "of the status (default: SCANLOCK_STATUS)")
-      ->check(channel_name());
-  app.add_option("--timeout", options.timeout_s, "seconds to wait for what became of it (default: 30)")
-      ->check(number_from_zero(false));
+void declare(CommandLine line, Options& options) {
+  line.explain(kFooter, {"scanlock-command save yard.map",
+                         "scanlock-command -l 'udpm://239.255.76.67:7667?ttl=1' set-pose 12.5 -3 0 90"});
+  line.option("COMMAND", options.words, "save, load, reset or set-pose, and its arguments").required();
+  line.option("-l,--lcm-url", options.url, "LCM URL (default: LCM_DEFAULT_URL, else this host's multicast)");
+  line.option("--channel", options.channel, "of the commands (default: SCANLOCK_COMMAND)").channel();
+  line.option("--status-channel", options.status_channel, "of the status (default: SCANLOCK_STATUS)")
+      .channel();
+  line.option("--timeout", options.timeout_s, "seconds to wait for what became of it (default: 30)")
+      .above_zero();
 }
 
 }  // namespace

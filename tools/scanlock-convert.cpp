@@ -1,7 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
 // Scans and trajectories between LCM logs and files.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -67,32 +66,29 @@ Stamps: with times.txt, utime is that time in microseconds; without it (and for 
 has no times) scan n is stamped n periods after zero. --utime moves zero to US; by default zero is utime 1000000,
 and 0 when times.txt begins later than zero. The log's events carry the scans' own utime.)";
 
-void declare(CLI::App& app, Options& options) {
-  explain(
-      app, kFooter,
+void declare(CommandLine line, Options& options) {
+  line.explain(
+      kFooter,
       {"scanlock-convert drive.lcmlog --info", "scanlock-convert drive.lcmlog scans --channel LIDAR",
        "scanlock-convert drive.lcmlog scans --format pcd", "scanlock-convert drive.lcmlog first.pcd --scan 0",
        "scanlock-convert poses.lcmlog poses.tum --channel POSE_BODY_CORRECTED"});
-  app.add_option("IN", options.input, "a directory of scans, an LCM log or a trajectory")->required();
-  app.add_option("OUT", options.output, "an LCM log, a new directory, a cloud or a trajectory");
-  app.add_option("SITE", options.merged, "the map that the maps IN and OUT become");
-  app.add_option("--channel", options.channel, "of the scans (default: LIDAR) or poses (POSE_BODY_CORRECTED)")
-      ->check(channel_name());
-  app.add_option("--type", options.type, "message type of the scans in a new log (default: pointcloud2)")
-      ->check(CLI::IsMember({"pointcloud2", "pointcloud", "drake", "sectors", "planar"}));
-  app.add_option("--format", options.format,
-                 "of the scans in a new directory: bin, pcd or ply (default: bin)")
-      ->check(CLI::IsMember({"bin", "pcd", "ply"}));
-  app.add_option("--scan", options.scan, "the number of the scan for a cloud OUT, from 0 on")
-      ->check(number_from_zero(true));
-  app.add_option("--period", options.clock.period_s,
-                 "seconds from scan to scan without times.txt (default: 0.1)")
-      ->check(number_from_zero(false));
-  app.add_option("--utime", options.clock.zero_utime, "microseconds: the utime of time zero")
-      ->check(number_from_zero(true));
-  app.add_flag("--info", options.info, "tell what is in the log IN");
-  app.add_flag("--force", options.force, "overwrite an OUT that is there already");
-  app.add_flag("--json", options.json, "print one JSON object");
+  line.option("IN", options.input, "a directory of scans, an LCM log or a trajectory").required();
+  line.option("OUT", options.output, "an LCM log, a new directory, a cloud or a trajectory");
+  line.option("SITE", options.merged, "the map that the maps IN and OUT become");
+  line.option("--channel", options.channel, "of the scans (default: LIDAR) or poses (POSE_BODY_CORRECTED)")
+      .channel();
+  line.option("--type", options.type, "message type of the scans in a new log (default: pointcloud2)")
+      .one_of({"pointcloud2", "pointcloud", "drake", "sectors", "planar"});
+  line.option("--format", options.format, "of the scans in a new directory: bin, pcd or ply (default: bin)")
+      .one_of({"bin", "pcd", "ply"});
+  line.option("--scan", options.scan, "the number of the scan for a cloud OUT, from 0 on").from_zero();
+  line.option("--period", options.clock.period_s,
+              "seconds from scan to scan without times.txt (default: 0.1)")
+      .above_zero();
+  line.option("--utime", options.clock.zero_utime, "microseconds: the utime of time zero").from_zero();
+  line.flag("--info", options.info, "tell what is in the log IN");
+  line.flag("--force", options.force, "overwrite an OUT that is there already");
+  line.flag("--json", options.json, "print one JSON object");
 }
 
 void warn(const Options& options, const std::string& what) {

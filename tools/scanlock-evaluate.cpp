@@ -1,7 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
 // Trajectory errors as numbers and as a picture.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -54,21 +53,19 @@ degenerate, for a planar sensor, x, y and yaw alone count: 3 and 11.34. nees: nu
 log or has no covariances; its mean: null (infinite) where a covariance is not positive definite.
 KITTI: stretches of 100 to 800 m from every tenth pose, as the development kit averages them.)";
 
-void declare(CLI::App& app, Options& options) {
-  explain(app, kFooter,
-          {"scanlock-evaluate poses.tum truth.tum --html report.html",
-           "scanlock-evaluate poses.lcmlog:SCANLOCK_LOCAL_POSE truth.tum --align yaw --json"});
-  app.add_option("ESTIMATE", options.estimate, "the trajectory to judge")->required();
-  app.add_option("REFERENCE", options.reference, "the trajectory to judge it by")->required();
-  app.add_option("--align", options.align, "how the estimate is laid over the reference (default: se3)")
-      ->check(CLI::IsMember({"none", "yaw", "se3"}));
-  app.add_option("--tolerance", options.tolerance_s,
-                 "seconds between two poses of one instant (default: 0.01)")
-      ->check(number_from_zero(false));
-  app.add_option("--picture", options.picture, "write an SVG picture here");
-  app.add_option("--html", options.html, "write a page with the picture and the numbers here");
-  app.add_flag("--force", options.force, "overwrite outputs that are there already");
-  app.add_flag("--json", options.json, "print one JSON object");
+void declare(CommandLine line, Options& options) {
+  line.explain(kFooter, {"scanlock-evaluate poses.tum truth.tum --html report.html",
+                         "scanlock-evaluate poses.lcmlog:SCANLOCK_LOCAL_POSE truth.tum --align yaw --json"});
+  line.option("ESTIMATE", options.estimate, "the trajectory to judge").required();
+  line.option("REFERENCE", options.reference, "the trajectory to judge it by").required();
+  line.option("--align", options.align, "how the estimate is laid over the reference (default: se3)")
+      .one_of({"none", "yaw", "se3"});
+  line.option("--tolerance", options.tolerance_s, "seconds between two poses of one instant (default: 0.01)")
+      .above_zero();
+  line.option("--picture", options.picture, "write an SVG picture here");
+  line.option("--html", options.html, "write a page with the picture and the numbers here");
+  line.flag("--force", options.force, "overwrite outputs that are there already");
+  line.flag("--json", options.json, "print one JSON object");
 }
 
 LoadedTrajectory load(const std::string& source) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -208,26 +207,25 @@ int run(const Options& options) {
   return 0;
 }
 
-void declare(CLI::App& app, Options& options) {
-  explain(app, "",
-          {"scanlock-odometry drive.lcmlog --poses poses.tum --map map.ply",
-           "scanlock-odometry drive.lcmlog --start-map site.ply --output poses.lcmlog --json"});
-  app.add_option("LOG", options.log_path, "LCM log with scans")->required();
-  app.add_option("-c,--config", options.config_path, "configuration (TOML), as scanlockd reads it");
-  app.add_option("--scan-channel", options.channels, "channel of the scans; may be repeated (default: LIDAR)")
-      ->allow_extra_args(false);
-  app.add_option("--threads", options.threads, "worker threads; the result does not depend on it")
-      ->check(CLI::Range(1, 256).description(""));
-  app.add_option("--poses", options.tum_path,
-                 "write the trajectory (TUM), as loop closures leave it at the end");
-  app.add_option("--kitti", options.kitti_path, "write the trajectory (KITTI), likewise");
-  app.add_option("--output", options.output_path,
-                 "write poses and odometry messages (LCM log), as they were at the time");
-  app.add_option("--start-map", options.start_map_path,
-                 "map to find the place in (.map, .ply, .pcd), as scanlockd --map; it is not written");
-  app.add_option("--map", options.map_path, "write the map at the end (.ply)");
-  app.add_flag("--force", options.force, "overwrite outputs that are there already");
-  app.add_flag("--json", options.json, "print one JSON object on standard output");
+void declare(CommandLine line, Options& options) {
+  line.explain("", {"scanlock-odometry drive.lcmlog --poses poses.tum --map map.ply",
+                    "scanlock-odometry drive.lcmlog --start-map site.ply --output poses.lcmlog --json"});
+  line.option("LOG", options.log_path, "LCM log with scans").required();
+  line.option("-c,--config", options.config_path, "configuration (TOML), as scanlockd reads it");
+  line.option("--scan-channel", options.channels, "channel of the scans; may be repeated (default: LIDAR)")
+      .repeated();
+  line.option("--threads", options.threads, "worker threads; the result does not depend on it")
+      .within(1, 256);
+  line.option("--poses", options.tum_path,
+              "write the trajectory (TUM), as loop closures leave it at the end");
+  line.option("--kitti", options.kitti_path, "write the trajectory (KITTI), likewise");
+  line.option("--output", options.output_path,
+              "write poses and odometry messages (LCM log), as they were at the time");
+  line.option("--start-map", options.start_map_path,
+              "map to find the place in (.map, .ply, .pcd), as scanlockd --map; it is not written");
+  line.option("--map", options.map_path, "write the map at the end (.ply)");
+  line.flag("--force", options.force, "overwrite outputs that are there already");
+  line.flag("--json", options.json, "print one JSON object on standard output");
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
 // scanlock-simulate: drives a simulated LiDAR through a world into an LCM log, with exact truth.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -35,55 +34,50 @@ struct Options {
   SimulationConfig config;
 };
 
-void declare(CLI::App& app, Options& options) {
-  explain(app, "",
-          {"scanlock-simulate drive.lcmlog --world indoor --seconds 30 --truth truth.tum",
-           "scanlock-simulate drive.lcmlog --lidar os1-64 --event kidnap@20 --event blackout@40+2"});
+void declare(CommandLine line, Options& options) {
+  line.explain("", {"scanlock-simulate drive.lcmlog --world indoor --seconds 30 --truth truth.tum",
+                    "scanlock-simulate drive.lcmlog --lidar os1-64 --event kidnap@20 --event blackout@40+2"});
   options.config.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  app.add_option("--world", options.world, "urban, indoor, forest, tunnel or field")->capture_default_str();
-  app.add_option("--lidar", options.lidar, "vlp16, hdl64, os1-64, mid360 or planar")->capture_default_str();
-  app.add_option("--seconds", options.config.seconds,
-                 "length of the drive; 60, or with --laps as long as these take. With both, what comes first "
-                 "ends the drive");
-  app.add_option("--laps", options.config.laps,
-                 "drive a closed loop so often, and 10 m more, each lap a little aside of the last. urban: "
-                 "around blocks, about 600 m a lap; forest and field: the usual round, about 330 and 440 m; "
-                 "indoor: another floor than without laps, whose corridors are too short, a ring of about "
-                 "250 m with offices on both sides. tunnel has no laps");
-  app.add_option("--seed", options.config.seed, "world, route and noise follow from it")
-      ->check(number_from_zero(true))
-      ->capture_default_str();
-  app.add_option(
-         "--event", options.events,
-         "may be given again; in seconds: kidnap@T (the sensor is carried 3 to 15 m and turned), "
-         "blackout@T+D "
-         "(scans empty or of at most 20 points), shake@T+D (strong rotations), halfview@T+D (nothing seen to "
-         "the left), dropout@T+D (scans missing altogether)")
-      ->allow_extra_args(false);  // one event each: the word that follows may be the log
-  app.add_option("--speed", options.config.speed_mps, "cruising speed in m/s instead of the world's own");
-  app.add_option("--start-speed", options.config.start_speed_mps,
-                 "speed in m/s as the drive begins, from which it brakes or accelerates to its own")
-      ->capture_default_str();
-  app.add_option("--noise", options.noise,
-                 "standard deviation of ranges in metres instead of the sensor's own")
-      ->check(number_from_zero(true));
-  app.add_flag("--no-distortion", options.no_distortion, "take all points of a scan at its stamp");
-  app.add_option("--stamp", options.stamp, "stamp the begin or the end of each sweep")
-      ->check(CLI::IsMember({"begin", "end"}))
-      ->capture_default_str();
-  app.add_option("--channel", options.channel, "channel of the scans")
-      ->check(channel_name())
-      ->capture_default_str();
-  app.add_option("--truth", options.truth, "also write the sensor's exact pose at each scan's stamp (TUM)");
-  app.add_option(
+  line.option("--world", options.world, "urban, indoor, forest, tunnel or field").default_shown();
+  line.option("--lidar", options.lidar, "vlp16, hdl64, os1-64, mid360 or planar").default_shown();
+  line.option("--seconds", options.config.seconds,
+              "length of the drive; 60, or with --laps as long as these take. With both, what comes first "
+              "ends the drive");
+  line.option("--laps", options.config.laps,
+              "drive a closed loop so often, and 10 m more, each lap a little aside of the last. urban: "
+              "around blocks, about 600 m a lap; forest and field: the usual round, about 330 and 440 m; "
+              "indoor: another floor than without laps, whose corridors are too short, a ring of about "
+              "250 m with offices on both sides. tunnel has no laps");
+  line.option("--seed", options.config.seed, "world, route and noise follow from it")
+      .from_zero()
+      .default_shown();
+  line.option("--event", options.events,
+              "may be given again; in seconds: kidnap@T (the sensor is carried 3 to 15 m and turned), "
+              "blackout@T+D "
+              "(scans empty or of at most 20 points), shake@T+D (strong rotations), halfview@T+D (nothing "
+              "seen to "
+              "the left), dropout@T+D (scans missing altogether)")
+      .repeated();  // one event each: the word that follows may be the log
+  line.option("--speed", options.config.speed_mps, "cruising speed in m/s instead of the world's own");
+  line.option("--start-speed", options.config.start_speed_mps,
+              "speed in m/s as the drive begins, from which it brakes or accelerates to its own")
+      .default_shown();
+  line.option("--noise", options.noise, "standard deviation of ranges in metres instead of the sensor's own")
+      .from_zero();
+  line.flag("--no-distortion", options.no_distortion, "take all points of a scan at its stamp");
+  line.option("--stamp", options.stamp, "stamp the begin or the end of each sweep")
+      .one_of({"begin", "end"})
+      .default_shown();
+  line.option("--channel", options.channel, "channel of the scans").channel().default_shown();
+  line.option("--truth", options.truth, "also write the sensor's exact pose at each scan's stamp (TUM)");
+  line.option(
       "--bin", options.bin,
       "also write the scans to this directory: NNNNNN.bin (KITTI), ptime/NNNNNN.f32 and times.txt, as "
       "scanlock-convert reads them");
-  app.add_option("--threads", options.config.threads, "the result does not depend on it")
-      ->capture_default_str();
-  app.add_flag("--force", options.force, "overwrite outputs that are there already");
-  app.add_flag("--json", options.json, "print one JSON object on standard output");
-  app.add_option("LOG", options.log, "the LCM log to write")->required();
+  line.option("--threads", options.config.threads, "the result does not depend on it").default_shown();
+  line.flag("--force", options.force, "overwrite outputs that are there already");
+  line.flag("--json", options.json, "print one JSON object on standard output");
+  line.option("LOG", options.log, "the LCM log to write").required();
 }
 
 /// What the words on the command line mean; throws UsageError.

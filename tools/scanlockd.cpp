@@ -4,7 +4,6 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -168,31 +167,28 @@ int serve(const Config& config) {
   return 0;
 }
 
-void declare(CLI::App& app, Options& options) {
-  explain(app, "",
-          {"scanlockd --check", "scanlockd --scan-channel LIDAR --map yard.map", "scanlockd -c robot.toml",
+void declare(CommandLine line, Options& options) {
+  line.explain(
+      "", {"scanlockd --check", "scanlockd --scan-channel LIDAR --map yard.map", "scanlockd -c robot.toml",
            "scanlockd -l 'file://drive.lcmlog?speed=0' --out-url 'file://poses.lcmlog?mode=w'"});
-  app.add_option("-c,--config", options.config_path, "configuration (TOML); --print-config shows all keys");
-  app.add_option("-l,--lcm-url", options.url,
-                 "LCM URL of the scans; default: LCM_DEFAULT_URL, else " + std::string(kDefaultUrl));
-  app.add_option("--out-url", options.out_url, "LCM URL of what is published; default: that of the scans");
-  app.add_option("--scan-channel", options.scan_channels,
-                 "channel that carries scans, may be repeated; default: LIDAR")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option("--pose-channel", options.pose_channel,
-                 "channel of bot_core.pose_t; default: POSE_BODY_CORRECTED");
-  app.add_option(
-      "--map", options.map_file,
-      "map to find the place in, and to save to on exit (.map); a cloud of any program (.ply, .pcd), "
-      "which is never written; see map.mode. Default: none");
-  app.add_option("--threads", options.threads, "threads of one alignment; the result does not depend on it")
-      ->check(CLI::Range(1, 256));
-  app.add_flag("--check", options.check,
-               "the doctor: would scans arrive here? exit 1 when some would be lost");
-  app.add_flag("--print-config", options.print, "print the configuration as it stands, explained, and exit");
-  app.add_flag("--json", options.json, "with --check: one JSON object on standard output");
-  app.add_flag("--force", options.force, "overwrite the log that --out-url names, where it is there already");
+  line.option("-c,--config", options.config_path, "configuration (TOML); --print-config shows all keys");
+  line.option("-l,--lcm-url", options.url,
+              "LCM URL of the scans; default: LCM_DEFAULT_URL, else " + std::string(kDefaultUrl));
+  line.option("--out-url", options.out_url, "LCM URL of what is published; default: that of the scans");
+  line.option("--scan-channel", options.scan_channels,
+              "channel that carries scans, may be repeated; default: LIDAR")
+      .repeated();
+  line.option("--pose-channel", options.pose_channel,
+              "channel of bot_core.pose_t; default: POSE_BODY_CORRECTED");
+  line.option("--map", options.map_file,
+              "map to find the place in, and to save to on exit (.map); a cloud of any program (.ply, .pcd), "
+              "which is never written; see map.mode. Default: none");
+  line.option("--threads", options.threads, "threads of one alignment; the result does not depend on it")
+      .within(1, 256);
+  line.flag("--check", options.check, "the doctor: would scans arrive here? exit 1 when some would be lost");
+  line.flag("--print-config", options.print, "print the configuration as it stands, explained, and exit");
+  line.flag("--json", options.json, "with --check: one JSON object on standard output");
+  line.flag("--force", options.force, "overwrite the log that --out-url names, where it is there already");
 }
 
 int run(const Options& options) {
