@@ -24,6 +24,16 @@ std::uint64_t spread_bits(std::uint64_t v) {
   return v;
 }
 
+/// Every third of 63 bits, the inverse of spread_bits.
+std::uint64_t gathered_bits(std::uint64_t v) {
+  v &= 0x1249249249249249;
+  v = (v | v >> 2) & 0x10c30c30c30c30c3;
+  v = (v | v >> 4) & 0x100f00f00f00f00f;
+  v = (v | v >> 8) & 0x1f0000ff0000ff;
+  v = (v | v >> 16) & 0x1f00000000ffff;
+  return (v | v >> 32) & 0x1fffff;
+}
+
 struct Voxel {
   std::int32_t ix, iy, iz;
   float squared_distance_to_centre;
@@ -200,6 +210,12 @@ std::vector<std::uint32_t> thin(const PointCloud& cloud, std::size_t n, float si
 std::uint64_t morton_key(std::int32_t ix, std::int32_t iy, std::int32_t iz) {
   const auto biased = [](std::int32_t v) { return static_cast<std::uint64_t>(v + (1 << 20)); };
   return spread_bits(biased(ix)) | spread_bits(biased(iy)) << 1 | spread_bits(biased(iz)) << 2;
+}
+
+Eigen::Vector3i morton_cell(std::uint64_t key) {
+  Eigen::Vector3i cell;
+  for (int axis = 0; axis < 3; ++axis) cell[axis] = static_cast<int>(gathered_bits(key >> axis)) - (1 << 20);
+  return cell;
 }
 
 std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, float voxel) {

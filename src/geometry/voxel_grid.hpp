@@ -13,6 +13,8 @@ namespace scanlock {
 /// Integer coordinates of a voxel packed into one key, 21 bits each; valid while |coordinate| < 2^20 voxels.
 /// The key is a Morton code: its order keeps neighbours in space near each other.
 std::uint64_t morton_key(std::int32_t ix, std::int32_t iy, std::int32_t iz);
+/// The cell with that key.
+Eigen::Vector3i morton_cell(std::uint64_t key);
 
 /// Thins a cloud to one point a voxel: of the points in a voxel the one nearest to its centre, ties going to
 /// the smallest (x, y, z). The answer is a set of indices into the cloud in Morton order of their voxels, and

@@ -54,13 +54,13 @@ struct Place {
 /// Ordered by cells, then by heights.
 std::vector<Place> find_floor(const SolidCloud& solid) {
   // The columns of one tile are whole, and few points are looked at at once.
-  std::vector<std::pair<Cell, std::uint32_t>> blocks;
-  for (std::uint32_t i = 0; i < solid.blocks().size(); ++i)
-    blocks.emplace_back(cell_of(solid.blocks()[i].points.front(), kTile), i);
+  std::vector<std::pair<Cell, SolidCloud::BlockId>> blocks;
+  for (const SolidCloud::BlockId block : solid.blocks())
+    blocks.emplace_back(cell_of(solid.points_of(block).front(), kTile), block);
   std::sort(blocks.begin(), blocks.end());
   std::vector<Place> floor, column;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    for (const Eigen::Vector3f& p : solid.blocks()[blocks[i].second].points)
+    for (const Eigen::Vector3f& p : solid.points_of(blocks[i].second))
       column.push_back({cell_of(p, kFloorCell), p.z()});
     if (i + 1 < blocks.size() && blocks[i + 1].first == blocks[i].first) continue;
     std::sort(column.begin(), column.end());
@@ -239,6 +239,7 @@ SavedMap CloudMapBuilder::build(const std::string& name,
     const auto utime = static_cast<std::int64_t>(archive.keyframes().size() + 1);
     archive.add(utime, map_from_eye, view.reach, view.points);
   }
+  solid_ = SolidCloud(kFinest);  // whoever writes the map needs the memory
   SavedMap map;
   map.keyframes = archive.keyframes();
   if (map.keyframes.empty())

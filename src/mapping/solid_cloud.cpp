@@ -14,8 +14,10 @@
 namespace scanlock {
 namespace {
 
-constexpr int kBlockBits = 9, kCubeBits = 6;  // of Morton keys: 8 voxels a side, and 4 blocks
-constexpr std::uint64_t kInBlock = (1u << kBlockBits) - 1;
+constexpr int kBlockBits = 9, kCubeBits = 15;  // of Morton keys: 8 voxels a side, and 4 blocks
+constexpr std::uint64_t kInBlock = (1u << kBlockBits) - 1, kInCube = (1u << kCubeBits) - 1;
+constexpr int kFineBits = 10;  // of a point's place in its voxel, along each axis
+constexpr std::uint32_t kFine = 1u << kFineBits;
 constexpr int kMostLevel = 2;
 constexpr int kBeside = 4;  // of 26: a plane has 8, a line 2
 constexpr double kClosed = 3.0;
@@ -25,6 +27,10 @@ using Bits = std::array<std::uint64_t, 8>;
 
 std::uint64_t key_of(const Eigen::Vector3i& voxel) {
   return morton_key(voxel.x(), voxel.y(), voxel.z());
+}
+
+std::uint64_t block_bit_of(std::uint64_t key) {
+  return (key & kInCube) >> kBlockBits;
 }
 
 Eigen::Vector3i voxel_of(const Eigen::Vector3f& position, float voxel) {
@@ -64,39 +70,71 @@ std::array<std::uint32_t, kMostLevel + 2> voxels(const Bits& taken) {
   return result;
 }
 
+/// A point's place in its voxel; `in_voxels`: its coordinates in voxels.
+std::uint32_t packed(const Eigen::Vector3f& in_voxels) {
+  std::uint32_t result = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float part = in_voxels[axis] - std::floor(in_voxels[axis]);
+    const auto place = std::min(static_cast<std::uint32_t>(part * static_cast<float>(kFine)), kFine - 1);
+    result = result << kFineBits | place;
+  }
+  return result;
+}
+
+Eigen::Vector3i unpacked(std::uint32_t place) {
+  const auto axis = [&](int bits) { return static_cast<int>(place >> bits & (kFine - 1)); };
+  return {axis(2 * kFineBits), axis(kFineBits), axis(0)};
+}
+
+/// From the centre of the voxel, any unit.
+int squared_distance(std::uint32_t place) {
+  return (2 * unpacked(place).array() + 1 - static_cast<int>(kFine)).matrix().squaredNorm();
+}
+
 }  // namespace
 
+const SolidCloud::Block* SolidCloud::Cube::block(std::uint64_t bit) const {
+  const std::uint64_t one = std::uint64_t{1} << bit;
+  return (blocks & one) != 0 ? &held[count(blocks & (one - 1))] : nullptr;
+}
+
 void SolidCloud::add(const PointCloud& part) {
-  std::uint64_t block_key = ~std::uint64_t{0};
-  std::uint32_t at = 0;                                               // of that block
+  std::uint64_t last_key = ~std::uint64_t{0};
+  Block* block = nullptr;                                             // of that key
   const float margin = static_cast<float>(1 << kMostLevel) * voxel_;  // what a point fills at most
+  // By a quarter: most of the memory is here.
+  const auto make_room = [](auto* list) {
+    if (list->size() == list->capacity()) list->reserve(list->size() + list->size() / 4 + 1);
+  };
   for (std::size_t i = 0; i < part.size(); ++i) {
     const Eigen::Vector3f p = part.point(i), in_voxels = p / voxel_;
     if (!(in_voxels.cwiseAbs().maxCoeff() < kFarthest) || !in_voxels.allFinite()) continue;
-    const std::uint64_t key = key_of(voxel_of(p, voxel_));
-    if (key >> kBlockBits != block_key) {
-      block_key = key >> kBlockBits;
-      at = block_at_.insert(block_key, static_cast<std::uint32_t>(blocks_.size()));
-      if (at == blocks_.size()) blocks_.emplace_back(block_key);
+    const std::uint64_t key = scanlock::key_of(voxel_of(p, voxel_));
+    if (key >> kBlockBits != last_key) {
+      last_key = key >> kBlockBits;
+      const auto at = cube_at_.insert(key >> kCubeBits, static_cast<std::uint32_t>(cubes_.size()));
+      if (at == cubes_.size()) cubes_.emplace_back(key >> kCubeBits);
+      Cube& cube = cubes_[at];
+      const std::uint64_t one = std::uint64_t{1} << block_bit_of(key);
+      const auto place = static_cast<std::ptrdiff_t>(count(cube.blocks & (one - 1)));
+      if ((cube.blocks & one) == 0) {
+        cube.blocks |= one;
+        make_room(&cube.held);
+        cube.held.emplace(cube.held.begin() + place);
+      }
+      block = &cube.held[static_cast<std::size_t>(place)];
     }
-    Block& block = blocks_[at];
     const std::uint64_t bit = key & kInBlock;
-    const std::size_t place = rank(block.taken, bit);
-    if (!holds(block.taken, bit)) {
-      block.taken[bit >> 6] |= std::uint64_t{1} << (bit & 63);
-      std::vector<Eigen::Vector3f>& points = block.points;
-      // By a quarter: most of the memory is here.
-      if (points.size() == points.capacity()) points.reserve(points.size() + points.size() / 4 + 4);
-      points.insert(points.begin() + static_cast<std::ptrdiff_t>(place), p);
+    const auto place = static_cast<std::ptrdiff_t>(rank(block->taken, bit));
+    const std::uint32_t now = packed(in_voxels);
+    if (!holds(block->taken, bit)) {
+      block->taken[bit >> 6] |= std::uint64_t{1} << (bit & 63);
+      make_room(&block->points);
+      block->points.insert(block->points.begin() + place, now);
       ++size_;
     } else {
-      const auto distance = [&](const Eigen::Vector3f& q) {
-        const Eigen::Vector3f r = q / voxel_;
-        return (r.array() - r.array().floor() - 0.5F).matrix().squaredNorm();
-      };
-      Eigen::Vector3f& kept = block.points[place];
-      const float old = distance(kept), now = distance(p);
-      if (std::tie(now, p.x(), p.y(), p.z()) < std::tie(old, kept.x(), kept.y(), kept.z())) kept = p;
+      std::uint32_t& kept = block->points[static_cast<std::size_t>(place)];
+      if (std::pair(squared_distance(now), now) < std::pair(squared_distance(kept), kept)) kept = now;
     }
     low_ = low_.cwiseMin(p - Eigen::Vector3f::Constant(margin));
     high_ = high_.cwiseMax(p + Eigen::Vector3f::Constant(margin));
@@ -104,30 +142,30 @@ void SolidCloud::add(const PointCloud& part) {
 }
 
 void SolidCloud::close() {
-  std::vector<std::array<std::uint32_t, kMostLevel + 2>> cubes;  // voxels of each size in them
-  for (const Block& block : blocks_) {
-    const auto cube = cube_at_.insert(block.key >> kCubeBits, static_cast<std::uint32_t>(cubes.size()));
-    if (cube == cubes.size()) cubes.push_back({});
-    const auto of_block = voxels(block.taken);
-    for (std::size_t level = 0; level < of_block.size(); ++level) cubes[cube][level] += of_block[level];
-  }
-  for (Block& block : blocks_) {
-    const auto& sums = cubes[*cube_at_.at(block.key >> kCubeBits)];
+  for (Cube& cube : cubes_) {
+    std::array<std::uint32_t, kMostLevel + 2> sums{};  // voxels of each size
+    for (const Block& block : cube.held) {
+      const auto of_block = voxels(block.taken);
+      for (std::size_t level = 0; level < of_block.size(); ++level) sums[level] += of_block[level];
+    }
     std::size_t level = 0;
     while (level <= kMostLevel && sums[level] < kClosed * sums[level + 1]) ++level;
-    block.level = level > kMostLevel ? 0 : static_cast<int>(level);
-    fill(&block);
+    cube.level = level > kMostLevel ? 0 : static_cast<int>(level);
+    if (cube.level == 0) continue;
+    for (std::uint64_t bit = 0; bit < 64; ++bit)
+      if ((cube.blocks >> bit & 1) != 0)
+        fill(cube, bit, &cube.held[count(cube.blocks & ((std::uint64_t{1} << bit) - 1))]);
   }
 }
 
-/// What of a block is solid.
-void SolidCloud::fill(Block* block) const {
-  block->solid = block->taken;
-  if (block->level == 0) return;
+/// What of a block is solid beside the voxels that hold points.
+void SolidCloud::fill(const Cube& cube, std::uint64_t block_bit, Block* block) const {
+  const std::uint64_t first = cube.key << kCubeBits | block_bit << kBlockBits;
   std::size_t place = 0;
   for (std::uint64_t bit = 0; bit <= kInBlock; ++bit) {
     if (!holds(block->taken, bit)) continue;
-    if (goes_on(block->points[place++], block->level)) block->solid[bit >> 6] |= of_level(bit, block->level);
+    if (!goes_on(position(first | bit, block->points[place++]), cube.level)) continue;
+    block->filled |= cube.level == 1 ? std::uint64_t{1} << (bit >> 3) : std::uint64_t{255} << (bit >> 6 << 3);
   }
 }
 
@@ -138,33 +176,61 @@ bool SolidCloud::goes_on(const Eigen::Vector3f& point, int level) const {
   for (int i = 0; i < 27 && beside < kBeside; ++i) {
     if (i == 13) continue;
     const Eigen::Vector3i step(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);
-    const std::uint64_t key = key_of(voxel_of(point + size * step.cast<float>(), voxel_));
-    const Block* block = block_of(key);
+    const std::uint64_t key = scanlock::key_of(voxel_of(point + size * step.cast<float>(), voxel_));
+    const Cube* cube = cube_of(key);
+    const Block* block = cube ? cube->block(block_bit_of(key)) : nullptr;
     const std::uint64_t bit = key & kInBlock;
     beside += block && (block->taken[bit >> 6] & of_level(bit, level)) != 0 ? 1 : 0;
   }
   return beside >= kBeside;
 }
 
-const SolidCloud::Block* SolidCloud::block_of(std::uint64_t key) const {
-  const std::optional<std::uint32_t> at = block_at_.at(key >> kBlockBits);
-  return at ? &blocks_[*at] : nullptr;
+const SolidCloud::Cube* SolidCloud::cube_of(std::uint64_t key) const {
+  const std::optional<std::uint32_t> at = cube_at_.at(key >> kCubeBits);
+  return at ? &cubes_[*at] : nullptr;
+}
+
+Eigen::Vector3f SolidCloud::position(std::uint64_t key, std::uint32_t place) const {
+  const Eigen::Vector3d in_voxel =
+      (unpacked(place).cast<double>().array() + 0.5) / static_cast<double>(kFine);
+  return ((morton_cell(key).cast<double>() + in_voxel) * static_cast<double>(voxel_)).cast<float>();
+}
+
+std::vector<SolidCloud::BlockId> SolidCloud::blocks() const {
+  std::vector<BlockId> result;
+  for (std::size_t i = 0; i < cubes_.size(); ++i)
+    for (BlockId bit = 0; bit < 64; ++bit)
+      if ((cubes_[i].blocks >> bit & 1) != 0) result.push_back(static_cast<BlockId>(i) << 6 | bit);
+  return result;
+}
+
+std::vector<Eigen::Vector3f> SolidCloud::points_of(BlockId id) const {
+  const Block& block = *cubes_[id >> 6].block(id & 63);
+  std::vector<Eigen::Vector3f> result;
+  for (std::uint64_t bit = 0; bit <= kInBlock; ++bit)
+    if (holds(block.taken, bit))
+      result.push_back(position(key_of(id << kBlockBits | bit), block.points[result.size()]));
+  return result;
+}
+
+std::uint64_t SolidCloud::key_of(Voxel voxel) const {
+  return cubes_[voxel >> kCubeBits].key << kCubeBits | (voxel & kInCube);
 }
 
 Eigen::Vector3f SolidCloud::point(Voxel voxel) const {
-  const Block& block = blocks_[voxel >> kBlockBits];
-  return block.points[rank(block.taken, voxel & kInBlock)];
+  const Block& block = *cubes_[voxel >> kCubeBits].block(block_bit_of(voxel));
+  return position(key_of(voxel), block.points[rank(block.taken, voxel & kInBlock)]);
 }
 
 bool SolidCloud::is_before(Voxel a, Voxel b) const {
-  const auto place = [&](Voxel v) { return std::pair(blocks_[v >> kBlockBits].key, v & kInBlock); };
-  return place(a) < place(b);
+  return key_of(a) < key_of(b);
 }
 
 bool SolidCloud::is_solid(const Eigen::Vector3f& position) const {
-  const std::uint64_t key = key_of(voxel_of(position, voxel_));
-  const Block* block = block_of(key);
-  return block && holds(block->solid, key & kInBlock);
+  const std::uint64_t key = scanlock::key_of(voxel_of(position, voxel_));
+  const Cube* cube = cube_of(key);
+  const Block* block = cube ? cube->block(block_bit_of(key)) : nullptr;
+  return block && block->is_solid(key & kInBlock);
 }
 
 /// From voxel to voxel along the ray (Amanatides and Woo 1987), and over empty blocks and cubes at once.
@@ -189,15 +255,17 @@ std::optional<SolidCloud::Voxel> SolidCloud::hit(const Eigen::Vector3f& eye, con
     const float border = voxel_ * static_cast<float>(direction[axis] > 0 ? begin + side : begin);
     return (border - eye[axis]) / direction[axis];
   };
+  const Cube* cube = nullptr;
   const Block* block = nullptr;
-  std::uint64_t block_key = ~std::uint64_t{0};
+  std::uint64_t last_key = ~std::uint64_t{0};
   Eigen::Vector3f next(leaves(0, 1), leaves(1, 1), leaves(2, 1));
   for (bool first = true;; first = false) {
-    const std::uint64_t key = key_of(at);
-    if (key >> kBlockBits != block_key) block = block_of(key);
-    block_key = key >> kBlockBits;
-    const bool solid = block && holds(block->solid, key & kInBlock);
-    if (solid && !first) return nearest(key, *block, eye + (next - delta).maxCoeff() * direction);
+    const std::uint64_t key = scanlock::key_of(at);
+    if (key >> kCubeBits != last_key >> kCubeBits || first) cube = cube_of(key);
+    block = cube ? cube->block(block_bit_of(key)) : nullptr;
+    last_key = key;
+    const bool solid = block && block->is_solid(key & kInBlock);
+    if (solid && !first) return nearest(key, *cube, eye + (next - delta).maxCoeff() * direction);
     if (block) {
       int axis = 0;
       if (!(next.minCoeff(&axis) < range)) return std::nullopt;
@@ -206,7 +274,7 @@ std::optional<SolidCloud::Voxel> SolidCloud::hit(const Eigen::Vector3f& eye, con
       continue;
     }
     int axis = 0;
-    const int side = cube_at_.at(key >> kBlockBits >> kCubeBits) ? 8 : 32;
+    const int side = cube ? 8 : 32;
     const float out = Eigen::Vector3f(leaves(0, side), leaves(1, side), leaves(2, side)).minCoeff(&axis);
     if (!(out < range)) return std::nullopt;
     const Eigen::Vector3i there = voxel_of(eye + out * direction, voxel_);
@@ -218,21 +286,25 @@ std::optional<SolidCloud::Voxel> SolidCloud::hit(const Eigen::Vector3f& eye, con
   }
 }
 
-/// Of those in the voxel of a block's level.
-SolidCloud::Voxel SolidCloud::nearest(std::uint64_t key, const Block& block,
+/// Of those in the voxel of a cube's level.
+SolidCloud::Voxel SolidCloud::nearest(std::uint64_t key, const Cube& cube,
                                       const Eigen::Vector3f& position) const {
-  const std::uint64_t word = (key & kInBlock) >> 6, wanted = of_level(key, block.level);
+  const Block& block = *cube.block(block_bit_of(key));
+  const std::uint64_t word = (key & kInBlock) >> 6, wanted = of_level(key, cube.level);
   std::size_t place = rank(block.taken, word << 6);
   std::uint64_t best = 0;
   float least = std::numeric_limits<float>::infinity();
   for (std::uint64_t bit = 0; bit < 64; ++bit) {
     if ((block.taken[word] >> bit & 1) == 0) continue;
-    const float distance = (block.points[place++] - position).squaredNorm();
-    if ((wanted >> bit & 1) == 0 || !(distance < least)) continue;
+    const std::uint32_t packed = block.points[place++];
+    if ((wanted >> bit & 1) == 0) continue;
+    const std::uint64_t candidate = (key >> kBlockBits << kBlockBits) | word << 6 | bit;
+    const float distance = (this->position(candidate, packed) - position).squaredNorm();
+    if (!(distance < least)) continue;
     least = distance;
-    best = word << 6 | bit;
+    best = candidate;
   }
-  return static_cast<Voxel>(&block - blocks_.data()) << kBlockBits | best;
+  return static_cast<Voxel>(&cube - cubes_.data()) << kCubeBits | (best & kInCube);
 }
 
 }  // namespace scanlock

@@ -91,3 +91,14 @@ TEST_CASE("averages by voxel are means of points and of normals whatever their s
   CHECK(mean.normal(1 - at) == Eigen::Vector3f::Zero());
   CHECK_THROWS(scanlock::average_by_voxel(cloud, 0.0f));
 }
+
+TEST_CASE("a Morton key gives its cell back, over all 21 bits") {
+  std::mt19937 rng(5);
+  std::uniform_int_distribution<int> any(-(1 << 20), (1 << 20) - 1);
+  for (int trial = 0; trial < 1000; ++trial) {
+    const Eigen::Vector3i cell(any(rng), any(rng), any(rng));
+    CHECK(scanlock::morton_cell(scanlock::morton_key(cell.x(), cell.y(), cell.z())) == cell);
+  }
+  CHECK(scanlock::morton_cell(scanlock::morton_key(-(1 << 20), (1 << 20) - 1, 0)) ==
+        Eigen::Vector3i(-(1 << 20), (1 << 20) - 1, 0));
+}
