@@ -50,6 +50,7 @@ void Daemon::run(StopSignal& stop) {
 void Daemon::replay(const StopSignal& stop) {
   Replay replay(replay_options(input_url(config_.daemon)), config_, version_, pipeline_, statistics_, *sink_);
   replay.run(stop, nullptr, nullptr);
+  pipeline_.finish();
   if (const std::string damage = replay.damage(); !damage.empty()) statistics_.complain(damage);
   if (const std::string why = replay.why_no_scan(); !why.empty() && !stop.requested())
     throw std::runtime_error(why);

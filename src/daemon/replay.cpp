@@ -58,7 +58,6 @@ void Replay::run(const StopSignal& stop, const ScanObserver& observer,
     if (progress) progress(reader_.position(), reader_.file_size());
   }
   if (!stop.requested()) handle(intake_.finish(utime), observer);
-  pipeline_.finish();
   outputs_.publish_status();  // the last word
 }
 

@@ -154,7 +154,8 @@ void KeyframeArchive::note_stand(const Pose& map_from_body) {
 
 void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes, bool fixed) {
   keyframes_ = std::move(keyframes);
-  fixed_ = fixed ? static_cast<std::uint32_t>(keyframes_.size()) : 0;
+  restored_ = static_cast<std::uint32_t>(keyframes_.size());
+  fixed_ = fixed;
   next_id_ = 1;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     keyframes_[i].id = next_id_++;
@@ -200,19 +201,29 @@ KeyframeArchive KeyframeArchive::without(const std::map<std::uint32_t, Pose>& no
 
 void KeyframeArchive::clear() {
   keyframes_.clear();
-  points_ = fixed_ = 0;
+  points_ = 0;
+  restored_ = 0;
+}
+
+/// Place in the list of the first keyframe that was not restored.
+std::size_t KeyframeArchive::first_of_own() const {
+  const auto own = std::partition_point(keyframes_.begin(), keyframes_.end(),
+                                        [&](const ArchivedKeyframe& k) { return k.id <= restored_; });
+  return static_cast<std::size_t>(own - keyframes_.begin());
 }
 
 void KeyframeArchive::count_points() {
   points_ = 0;
-  for (std::size_t i = fixed_; i < keyframes_.size(); ++i) points_ += keyframes_[i].points->size();
+  for (std::size_t i = first_of_own(); i < keyframes_.size(); ++i) points_ += keyframes_[i].points->size();
 }
 
 void KeyframeArchive::evict() {
   count_points();
-  std::size_t gone = fixed_;  // up to there
+  const std::size_t first = first_of_own();
+  std::size_t gone = first;  // up to there
   while (points_ > max_points_ && gone + 1 < keyframes_.size()) points_ -= keyframes_[gone++].points->size();
-  keyframes_.erase(keyframes_.begin() + fixed_, keyframes_.begin() + static_cast<std::ptrdiff_t>(gone));
+  keyframes_.erase(keyframes_.begin() + static_cast<std::ptrdiff_t>(first),
+                   keyframes_.begin() + static_cast<std::ptrdiff_t>(gone));
 }
 
 std::vector<Eigen::Vector3d> stands_around(const std::vector<ArchivedKeyframe>& keyframes,

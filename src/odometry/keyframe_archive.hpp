@@ -60,7 +60,7 @@ SavedMap moved(const SavedMap& map, const Pose& there_from_here);
 /// its cap. Copies are cheap: they share the points.
 class KeyframeArchive {
  public:
-  /// `max_points`: over all keyframes that are not fixed; the oldest give way.
+  /// `max_points`: over all keyframes that were not restored; the oldest of these give way.
   explicit KeyframeArchive(std::size_t max_points) : max_points_(max_points) {}
 
   /// True where no keyframe of the last minute is within a sixth of `reach` (metres) of `position` (map
@@ -76,10 +76,10 @@ class KeyframeArchive {
            const std::optional<Constraint>& tie = std::nullopt);
   /// The body stood like this: on slopes that differs from one step to the next.
   void note_stand(const Pose& map_from_body);
-  /// What was saved. Ids are places in the list, from 1 on; each is tied to the one before, rigidly.
-  /// `fixed`: they never give way, and do not count for the cap.
+  /// What was saved: it never gives way, and does not count for the cap. Ids are places in the list, from 1
+  /// on; each is tied to the one before, rigidly. `fixed`: nothing moves or replaces it either.
   void restore(std::vector<ArchivedKeyframe> keyframes, bool fixed = false);
-  bool is_fixed(std::uint32_t id) const { return id <= fixed_; }
+  bool is_fixed(std::uint32_t id) const { return fixed_ && id <= restored_; }
   /// The keyframe `gone` leaves; how the body stood there is noted where it is `kept`. Both have to be there.
   void replace(std::uint32_t gone, std::uint32_t kept);
   /// New poses, by id.
@@ -104,11 +104,13 @@ class KeyframeArchive {
  private:
   std::size_t nearest_index(const Eigen::Vector3d& position) const;
   void append(ArchivedKeyframe keyframe);
+  std::size_t first_of_own() const;
   void count_points();
   void evict();
 
   std::uint32_t next_id_ = 1;
-  std::uint32_t fixed_ = 0;  ///< ids up to there
+  std::uint32_t restored_ = 0;  ///< ids up to there
+  bool fixed_ = false;          ///< those are
   std::size_t max_points_, points_ = 0;
   std::vector<ArchivedKeyframe> keyframes_;
 };

@@ -69,6 +69,10 @@ TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in i
   CHECK(read_file(cloud) == bytes);
   CHECK(read_file(site) == map_bytes);  // which is where one that grows would be saved to
 
+  // Nor does a map that would grow if the daemon played the log.
+  REQUIRE(run(folder, {"scanlock-odometry", other, "--start-map", site}).code == 0);
+  CHECK(read_file(site) == map_bytes);
+
   // A map of the cloud does as well, and one that is to grow is saved beside it.
   const std::string made = folder / "made.map", grown = folder / "grown.ply";
   REQUIRE(run(folder, {"scanlock-convert", cloud, made}).code == 0);

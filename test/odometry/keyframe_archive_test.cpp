@@ -73,10 +73,27 @@ TEST_CASE("a place is thinned and the oldest places give way to the cap") {
   CHECK(archive.keyframes().front().utime > 0);
   KeyframeArchive copy(3001);
   copy.restore(archive.keyframes());
-  CHECK(copy.points() == archive.points());
+  CHECK(copy.keyframes().size() == archive.keyframes().size());
   copy.clear();
   CHECK(copy.empty());
   CHECK(copy.points() == 0);
+}
+
+TEST_CASE("a map that was restored is larger than the cap, and none of it gives way") {
+  KeyframeArchive whole(1000000), archive(250);
+  for (int i = 0; i < 5; ++i) whole.add(i, shifted(10 * i, 0), 20, ring(100, 20));
+  archive.restore(whole.keyframes());
+  CHECK(archive.keyframes().size() == 5);
+  for (int i = 5; i < 10; ++i) archive.add(i, shifted(10 * i, 0), 20, ring(100, 20));
+  REQUIRE(archive.keyframes().size() == 7);  // and two of its own
+  CHECK(archive.keyframes()[4].id == 5);
+  CHECK(archive.keyframes()[5].id == 9);
+  archive.replace(2, 3);  // what is seen again may, where the map is not fixed
+  CHECK(archive.keyframes().size() == 6);
+  archive.add(10, shifted(100, 0), 20, ring(100, 20));
+  CHECK(archive.keyframes().size() == 6);
+  CHECK(archive.keyframes()[3].id == 5);
+  CHECK(archive.keyframes()[4].id == 10);
 }
 
 TEST_CASE("keyframes are found by id and moved, with the ways in which the body stood there") {
