@@ -32,6 +32,7 @@ constexpr double kLeastFloor = 0.05;  // of the widest one: what is less is a ro
 constexpr double kRows = 40, kTurn = 180;  // rays, from 40 degrees below the horizon to 40 above, and around
 constexpr double kSteepest = 40 * kDegree;
 constexpr double kLevel = 8 * kDegree;  // rays flatter than this tell the reach
+constexpr float kSweep = 20;            // metres, from one time that memory is given back to the next
 constexpr std::size_t kLeastSeen = 50;  // points that stand on the floor: a roof and a bare field have none
 
 using Cell = std::pair<int, int>;
@@ -222,8 +223,14 @@ SavedMap CloudMapBuilder::build(const std::string& name,
   // lie together one is tried.
   std::map<Cell, float> barren;
   std::uint64_t done = 0;
+  float swept =
+      -std::numeric_limits<float>::infinity();  // no ray of the eyes to come, of greater x, is there
   for (const Place& place : places) {
     if (progress) progress(++done, places.size());
+    if (const float behind = place.middle().x() - range; behind - swept > kSweep) {
+      solid_.forget_below(behind);
+      swept = behind;
+    }
     const Eigen::Vector3f eye = place.middle() + kEye * Eigen::Vector3f::UnitZ();
     const auto nothing = barren.find(cell_of(eye, 2 * kFloorCell));
     if (nothing != barren.end() && std::abs(nothing->second - eye.z()) < kStep) continue;

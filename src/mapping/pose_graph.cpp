@@ -198,14 +198,18 @@ ConstraintError error_of(const Constraint& constraint, const Pose& from, const P
   return result;
 }
 
+void PoseGraph::connect_new(const Constraint& constraint) {
+  if (constraint.from == constraint.to) return;
+  constraints_.push_back(constraint.from > constraint.to ? reversed(constraint) : constraint);
+}
+
 void PoseGraph::connect(Constraint constraint) {
   if (constraint.from > constraint.to) constraint = reversed(constraint);
-  if (constraint.from == constraint.to) return;
   const auto same = std::find_if(constraints_.begin(), constraints_.end(), [&](const Constraint& c) {
     return c.from == constraint.from && c.to == constraint.to && c.loop_closure == constraint.loop_closure;
   });
   if (same == constraints_.end()) {
-    constraints_.push_back(constraint);
+    connect_new(constraint);
     return;
   }
   const Vector6 apart = se3_log(same->from_to.inverse() * constraint.from_to);

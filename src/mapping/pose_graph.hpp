@@ -35,6 +35,8 @@ class PoseGraph {
   void add(std::uint32_t node, const Pose& map_from_node) { nodes_[node] = map_from_node; }
   /// Between nodes that are there. A second measurement of the same kind between them joins the first.
   void connect(Constraint constraint);
+  /// Likewise, where there is no other of the same kind between them: what is there already is not searched.
+  void connect_new(const Constraint& constraint);
   /// Takes a node away; what was measured through it goes on, by way of the neighbour known best to it: of
   /// a chain nothing is lost. Loop closures that the rest contradicts go with it.
   void remove(std::uint32_t node);

@@ -18,6 +18,7 @@ constexpr int kBlockBits = 9, kCubeBits = 15;  // of Morton keys: 8 voxels a sid
 constexpr std::uint64_t kInBlock = (1u << kBlockBits) - 1, kInCube = (1u << kCubeBits) - 1;
 constexpr int kFineBits = 10;  // of a point's place in its voxel, along each axis
 constexpr std::uint32_t kFine = 1u << kFineBits;
+constexpr int kCubeSide = 32;  // voxels
 constexpr int kMostLevel = 2;
 constexpr int kBeside = 4;  // of 26: a plane has 8, a line 2
 constexpr double kClosed = 3.0;
@@ -158,6 +159,15 @@ void SolidCloud::close() {
   }
 }
 
+void SolidCloud::forget_below(float x) {
+  for (Cube& cube : cubes_) {
+    const int end = morton_cell(cube.key << kCubeBits).x() + kCubeSide;
+    if (cube.blocks == 0 || static_cast<float>(end) * voxel_ > x) continue;
+    cube.blocks = 0;
+    cube.held = {};
+  }
+}
+
 /// What of a block is solid beside the voxels that hold points.
 void SolidCloud::fill(const Cube& cube, std::uint64_t block_bit, Block* block) const {
   const std::uint64_t first = cube.key << kCubeBits | block_bit << kBlockBits;
@@ -274,7 +284,7 @@ std::optional<SolidCloud::Voxel> SolidCloud::hit(const Eigen::Vector3f& eye, con
       continue;
     }
     int axis = 0;
-    const int side = cube ? 8 : 32;
+    const int side = cube ? 8 : kCubeSide;
     const float out = Eigen::Vector3f(leaves(0, side), leaves(1, side), leaves(2, side)).minCoeff(&axis);
     if (!(out < range)) return std::nullopt;
     const Eigen::Vector3i there = voxel_of(eye + out * direction, voxel_);

@@ -36,6 +36,9 @@ class SolidCloud {
   /// After the last point: nothing is solid before.
   void close();
 
+  /// Nothing is left of what lies at smaller x than this, metres, but for up to 3 m of it.
+  void forget_below(float x);
+
   std::size_t size() const { return size_; }  ///< voxels that hold a point
   std::vector<BlockId> blocks() const;        ///< that hold a point
   std::vector<Eigen::Vector3f> points_of(BlockId block) const;

@@ -73,7 +73,7 @@ std::vector<Submap> submaps_of(const SavedMap& saved) {
   graph.add(kOriginNode, Pose::Identity());
   std::uint32_t id = 0;
   for (const ArchivedKeyframe& k : saved.keyframes) graph.add(++id, k.map_from_body);
-  for (const Constraint& c : saved.constraints) graph.connect(c);
+  for (const Constraint& c : saved.constraints) graph.connect_new(c);
   std::vector<Submap> submaps;
   for (PoseGraph& part : graph.parts()) {
     const auto [first, pose] = *part.nodes().begin();
@@ -87,7 +87,7 @@ std::vector<Submap> submaps_of(const SavedMap& saved) {
     if (first == kOriginNode) continue;
     of_tie.add(kOriginNode, Pose::Identity());
     of_tie.add(first, pose);
-    of_tie.connect(tie);
+    of_tie.connect_new(tie);
   }
   return submaps;
 }
