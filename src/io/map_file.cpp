@@ -208,11 +208,12 @@ ArchivedKeyframe read_keyframe(MapReader& reader, std::uint32_t version) {
   const std::uint64_t count = reader.get<std::uint32_t>("the number of points");
   reader.need(count * kPointBytes, "the points");
   auto points = std::make_shared<PointCloud>();
+  const auto step = static_cast<float>(std::ldexp(1.0, exponent));
   for (auto* axis : {&points->x, &points->y, &points->z}) {
     axis->reserve(static_cast<std::size_t>(count));
     for (std::uint64_t i = 0; i < count; ++i) {
       const auto steps = bits_of<std::int16_t>(reader.get<std::uint16_t>("a coordinate"));
-      axis->push_back(static_cast<float>(std::ldexp(static_cast<double>(steps), exponent)));
+      axis->push_back(step * static_cast<float>(steps));  // exact
     }
   }
   keyframe.points = std::move(points);
