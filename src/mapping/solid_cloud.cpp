@@ -164,7 +164,7 @@ void SolidCloud::forget_below(float x) {
     const int end = morton_cell(cube.key << kCubeBits).x() + kCubeSide;
     if (cube.blocks == 0 || static_cast<float>(end) * voxel_ > x) continue;
     cube.blocks = 0;
-    cube.held = {};
+    cube.held = std::vector<Block>();  // {} would keep the memory
   }
 }
 
