@@ -74,6 +74,21 @@ TEST_CASE("rays end at the first surface, whatever its points lie apart, and pas
   }
 }
 
+TEST_CASE(
+    "what is forgotten stops no ray, and what lies ahead stays, where it was to a thousandth of a voxel") {
+  PointCloud cloud;
+  add_rectangle({-20, -5, -5}, {0, 10, 0}, {0, 0, 10}, 0.05F, &cloud);
+  add_rectangle({20.0123F, -5, -5}, {0, 10, 0}, {0, 0, 10}, 0.05F, &cloud);
+  SolidCloud solid = solid_of(cloud, 0.1F);
+  const Eigen::Vector3f eye(0.01F, 0.02F, 0.03F), ahead = Eigen::Vector3f::UnitX();
+  CHECK(solid.hit(eye, -ahead, 50));
+  solid.forget_below(-10);
+  CHECK_FALSE(solid.hit(eye, -ahead, 50));
+  const auto hit = solid.hit(eye, ahead, 50);
+  REQUIRE(hit);
+  CHECK(std::abs(solid.point(*hit).x() - 20.0123F) < 1e-4F);
+}
+
 TEST_CASE("a ray meets what it would meet voxel by voxel") {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> uniform(-6, 6);
