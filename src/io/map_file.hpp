@@ -44,7 +44,7 @@ SavedMap decode_map(const std::vector<std::uint8_t>& bytes, const std::string& n
 /// also when another file than a map is there, which is then left alone.
 void write_map(const std::string& path, const SavedMap& map);
 
-/// Throws std::runtime_error as decode_map, and for a file that cannot be read or has over 1 GB.
+/// Throws std::runtime_error as decode_map, and for a file that cannot be read or has over 4 GB.
 SavedMap read_map(const std::string& path);
 
 }  // namespace scanlock
