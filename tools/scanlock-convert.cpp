@@ -246,6 +246,7 @@ void convert_map(const Options& options) {
     }
     ProgressBar bar("map");
     map = builder.build(options.input, shown_by(bar));
+    if (!builder.doubt().empty()) warn(options, builder.doubt());
     write_map(options.output, map);
   } else {
     const SavedMap all = read_map(options.input);

@@ -25,7 +25,7 @@ constexpr std::size_t kPoseBytes = 12 * 8, kKeyframeBytes = 8 + kPoseBytes + 4 +
 constexpr std::size_t kConstraintBytes = 4 + 4 + kPoseBytes + 4 + 21 * 8;
 constexpr std::size_t kPointBytes = 3 * 2, kStandBytes = 3 * 4;
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 32;  // a cloud of 1e8 points takes up to 1.2 GB
-constexpr int kFinestStep = -24, kCoarsestStep = 24;  // metres, as powers of two
+constexpr int kFinestStep = -24, kCoarsestStep = 24;            // metres, as powers of two
 constexpr double kMostSteps = 32767;
 
 template <typename Unsigned>

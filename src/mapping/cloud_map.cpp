@@ -222,6 +222,7 @@ SavedMap CloudMapBuilder::build(const std::string& name,
   // Heights of eyes that saw nothing that stands: of the four cells of a roof or a bare field that
   // lie together one is tried.
   std::map<Cell, float> barren;
+  std::size_t seen = 0, bare = 0;  // places of a floor that something stands on, or nothing
   std::uint64_t done = 0;
   float swept =
       -std::numeric_limits<float>::infinity();  // no ray of the eyes to come, of greater x, is there
@@ -233,11 +234,18 @@ SavedMap CloudMapBuilder::build(const std::string& name,
     }
     const Eigen::Vector3f eye = place.middle() + kEye * Eigen::Vector3f::UnitZ();
     const auto nothing = barren.find(cell_of(eye, 2 * kFloorCell));
-    if (nothing != barren.end() && std::abs(nothing->second - eye.z()) < kStep) continue;
-    if (!is_free(solid_, eye) || eyes.cover(solid_, eye)) continue;
+    if (nothing != barren.end() && std::abs(nothing->second - eye.z()) < kStep) {
+      ++bare;
+      continue;
+    }
+    if (!is_free(solid_, eye)) continue;
+    ++seen;
+    if (eyes.cover(solid_, eye)) continue;
     const View view = seen_from(solid_, eye, rays, range, options_.threads);
     if (view.standing < kLeastSeen) {
       barren[cell_of(eye, 2 * kFloorCell)] = eye.z();
+      ++bare;
+      --seen;
       continue;
     }
     eyes.add(eye, view.reach);
@@ -253,6 +261,10 @@ SavedMap CloudMapBuilder::build(const std::string& name,
     throw std::runtime_error(name + ": no floor in it that a robot could stand on and see " +
                              std::to_string(kLeastSeen) +
                              " points of what stands there; is up another axis (map.up)?");
+  // Where ceilings have an upper side it is about as much as the floors below them.
+  if (bare > 2 * seen)
+    doubt_ = "nothing stands on " + std::to_string(100 * bare / (bare + seen)) +
+             " % of its floor; is up another axis (map.up)?";
   map.last_pose = map.keyframes.front().map_from_body;
   map.up = options_.up.normalized();
   for (const ArchivedKeyframe& k : map.keyframes)

@@ -35,12 +35,16 @@ class CloudMapBuilder {
   /// `progress`: floor done and floor in all, any unit.
   SavedMap build(const std::string& name,
                  const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
+  /// After that, a sentence where nothing stands on most of its floor: an open field, or a cloud
+  /// that is upside down. Empty otherwise.
+  const std::string& doubt() const { return doubt_; }
 
  private:
   CloudMapOptions options_;
   Eigen::Matrix3d level_;  ///< rotation; its z axis is up
   SolidCloud solid_;       ///< in the level frame
   std::uint64_t points_ = 0;
+  std::string doubt_;
 };
 
 /// The same for a cloud as a whole.

@@ -151,6 +151,22 @@ TEST_CASE("in a bare cloud keyframes stand in rooms, see their walls and none of
   }
 }
 
+TEST_CASE(
+    "a floor on which hardly anything stands is doubted, for it may be that of a cloud that is upside down") {
+  CloudMapOptions options;
+  options.max_range_m = 5;
+  CloudMapBuilder rooms(options), yard(options);
+  rooms.add(two_rooms(0.05F));
+  rooms.build("rooms");
+  CHECK(rooms.doubt().empty());
+  PointCloud cloud;
+  add_rectangle({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.05F, &cloud);
+  add_rectangle({1, 1, 0}, {1, 0, 0}, {0, 0, 2}, 0.05F, &cloud);
+  yard.add(cloud);
+  CHECK_FALSE(yard.build("yard").keyframes.empty());
+  CHECK(yard.doubt().find("is up another axis") != std::string::npos);
+}
+
 TEST_CASE("up may be any axis, and where nobody could stand the error says so") {
   Eigen::Matrix3d turn;  // y is up
   turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
