@@ -3,7 +3,6 @@
 // Sends a command to a running daemon, and waits for the status that tells what became of it.
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <lcm/lcm-cpp.hpp>
 #include <optional>

@@ -32,7 +32,6 @@ constexpr double kLeastFloor = 0.05;  // of the widest one: what is less is a ro
 constexpr double kRows = 40, kTurn = 180;  // rays, from 40 degrees below the horizon to 40 above, and around
 constexpr double kSteepest = 40 * kDegree;
 constexpr double kLevel = 8 * kDegree;  // rays flatter than this tell the reach
-constexpr float kSweep = 20;            // metres, from one time that memory is given back to the next
 constexpr std::size_t kLeastSeen = 50;  // points that stand on the floor: a roof and a bare field have none
 
 using Cell = std::pair<int, int>;
@@ -57,7 +56,7 @@ std::vector<Place> find_floor(const SolidCloud& solid) {
   // The columns of one tile are whole, and few points are looked at at once.
   std::vector<std::pair<Cell, SolidCloud::BlockId>> blocks;
   for (const SolidCloud::BlockId block : solid.blocks())
-    blocks.emplace_back(cell_of(solid.points_of(block).front(), kTile), block);
+    blocks.emplace_back(cell_of(solid.middle_of(block), kTile), block);
   std::sort(blocks.begin(), blocks.end());
   std::vector<Place> floor, column;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -228,7 +227,7 @@ SavedMap CloudMapBuilder::build(const std::string& name,
       -std::numeric_limits<float>::infinity();  // no ray of the eyes to come, of greater x, is there
   for (const Place& place : places) {
     if (progress) progress(++done, places.size());
-    if (const float behind = place.middle().x() - range; behind - swept > kSweep) {
+    if (const float behind = place.middle().x() - range; behind - swept > range) {
       solid_.forget_below(behind);
       swept = behind;
     }

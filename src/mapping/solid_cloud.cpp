@@ -6,7 +6,6 @@
 #include <bitset>
 #include <cmath>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 #include "geometry/voxel_grid.hpp"
@@ -18,7 +17,7 @@ constexpr int kBlockBits = 9, kCubeBits = 15;  // of Morton keys: 8 voxels a sid
 constexpr std::uint64_t kInBlock = (1u << kBlockBits) - 1, kInCube = (1u << kCubeBits) - 1;
 constexpr int kFineBits = 10;  // of a point's place in its voxel, along each axis
 constexpr std::uint32_t kFine = 1u << kFineBits;
-constexpr int kCubeSide = 32;  // voxels
+constexpr int kCubeSide = 1 << kCubeBits / 3;  // voxels
 constexpr int kMostLevel = 2;
 constexpr int kBeside = 4;  // of 26: a plane has 8, a line 2
 constexpr double kClosed = 3.0;
@@ -94,9 +93,12 @@ int squared_distance(std::uint32_t place) {
 
 }  // namespace
 
+std::size_t SolidCloud::Cube::place(std::uint64_t bit) const {
+  return count(blocks & ((std::uint64_t{1} << bit) - 1));
+}
+
 const SolidCloud::Block* SolidCloud::Cube::block(std::uint64_t bit) const {
-  const std::uint64_t one = std::uint64_t{1} << bit;
-  return (blocks & one) != 0 ? &held[count(blocks & (one - 1))] : nullptr;
+  return (blocks >> bit & 1) != 0 ? &held[place(bit)] : nullptr;
 }
 
 void SolidCloud::add(const PointCloud& part) {
@@ -116,14 +118,14 @@ void SolidCloud::add(const PointCloud& part) {
       const auto at = cube_at_.insert(key >> kCubeBits, static_cast<std::uint32_t>(cubes_.size()));
       if (at == cubes_.size()) cubes_.emplace_back(key >> kCubeBits);
       Cube& cube = cubes_[at];
-      const std::uint64_t one = std::uint64_t{1} << block_bit_of(key);
-      const auto place = static_cast<std::ptrdiff_t>(count(cube.blocks & (one - 1)));
-      if ((cube.blocks & one) == 0) {
-        cube.blocks |= one;
+      const std::uint64_t bit = block_bit_of(key);
+      const std::size_t place = cube.place(bit);
+      if ((cube.blocks >> bit & 1) == 0) {
+        cube.blocks |= std::uint64_t{1} << bit;
         make_room(&cube.held);
-        cube.held.emplace(cube.held.begin() + place);
+        cube.held.emplace(cube.held.begin() + static_cast<std::ptrdiff_t>(place));
       }
-      block = &cube.held[static_cast<std::size_t>(place)];
+      block = &cube.held[place];
     }
     const std::uint64_t bit = key & kInBlock;
     const auto place = static_cast<std::ptrdiff_t>(rank(block->taken, bit));
@@ -154,8 +156,7 @@ void SolidCloud::close() {
     cube.level = level > kMostLevel ? 0 : static_cast<int>(level);
     if (cube.level == 0) continue;
     for (std::uint64_t bit = 0; bit < 64; ++bit)
-      if ((cube.blocks >> bit & 1) != 0)
-        fill(cube, bit, &cube.held[count(cube.blocks & ((std::uint64_t{1} << bit) - 1))]);
+      if ((cube.blocks >> bit & 1) != 0) fill(cube, bit, &cube.held[cube.place(bit)]);
   }
 }
 
@@ -187,8 +188,7 @@ bool SolidCloud::goes_on(const Eigen::Vector3f& point, int level) const {
     if (i == 13) continue;
     const Eigen::Vector3i step(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);
     const std::uint64_t key = scanlock::key_of(voxel_of(point + size * step.cast<float>(), voxel_));
-    const Cube* cube = cube_of(key);
-    const Block* block = cube ? cube->block(block_bit_of(key)) : nullptr;
+    const Block* block = block_of(cube_of(key), key);
     const std::uint64_t bit = key & kInBlock;
     beside += block && (block->taken[bit >> 6] & of_level(bit, level)) != 0 ? 1 : 0;
   }
@@ -198,6 +198,10 @@ bool SolidCloud::goes_on(const Eigen::Vector3f& point, int level) const {
 const SolidCloud::Cube* SolidCloud::cube_of(std::uint64_t key) const {
   const std::optional<std::uint32_t> at = cube_at_.at(key >> kCubeBits);
   return at ? &cubes_[*at] : nullptr;
+}
+
+const SolidCloud::Block* SolidCloud::block_of(const Cube* cube, std::uint64_t key) {
+  return cube ? cube->block(block_bit_of(key)) : nullptr;
 }
 
 Eigen::Vector3f SolidCloud::position(std::uint64_t key, std::uint32_t place) const {
@@ -212,6 +216,11 @@ std::vector<SolidCloud::BlockId> SolidCloud::blocks() const {
     for (BlockId bit = 0; bit < 64; ++bit)
       if ((cubes_[i].blocks >> bit & 1) != 0) result.push_back(static_cast<BlockId>(i) << 6 | bit);
   return result;
+}
+
+Eigen::Vector3f SolidCloud::middle_of(BlockId id) const {
+  const Eigen::Vector3i corner = morton_cell(key_of(id << kBlockBits));
+  return voxel_ * (corner.cast<float>().array() + static_cast<float>(1 << kBlockBits / 3) / 2);
 }
 
 std::vector<Eigen::Vector3f> SolidCloud::points_of(BlockId id) const {
@@ -238,8 +247,7 @@ bool SolidCloud::is_before(Voxel a, Voxel b) const {
 
 bool SolidCloud::is_solid(const Eigen::Vector3f& position) const {
   const std::uint64_t key = scanlock::key_of(voxel_of(position, voxel_));
-  const Cube* cube = cube_of(key);
-  const Block* block = cube ? cube->block(block_bit_of(key)) : nullptr;
+  const Block* block = block_of(cube_of(key), key);
   return block && block->is_solid(key & kInBlock);
 }
 
@@ -266,14 +274,13 @@ std::optional<SolidCloud::Voxel> SolidCloud::hit(const Eigen::Vector3f& eye, con
     return (border - eye[axis]) / direction[axis];
   };
   const Cube* cube = nullptr;
-  const Block* block = nullptr;
-  std::uint64_t last_key = ~std::uint64_t{0};
+  std::uint64_t cube_key = ~std::uint64_t{0};
   Eigen::Vector3f next(leaves(0, 1), leaves(1, 1), leaves(2, 1));
   for (bool first = true;; first = false) {
     const std::uint64_t key = scanlock::key_of(at);
-    if (key >> kCubeBits != last_key >> kCubeBits || first) cube = cube_of(key);
-    block = cube ? cube->block(block_bit_of(key)) : nullptr;
-    last_key = key;
+    if (key >> kCubeBits != cube_key) cube = cube_of(key);
+    cube_key = key >> kCubeBits;
+    const Block* block = block_of(cube, key);
     const bool solid = block && block->is_solid(key & kInBlock);
     if (solid && !first) return nearest(key, *cube, eye + (next - delta).maxCoeff() * direction);
     if (block) {

@@ -41,6 +41,7 @@ class SolidCloud {
 
   std::size_t size() const { return size_; }  ///< voxels that hold a point
   std::vector<BlockId> blocks() const;        ///< that hold a point
+  Eigen::Vector3f middle_of(BlockId block) const;
   std::vector<Eigen::Vector3f> points_of(BlockId block) const;
   Eigen::Vector3f point(Voxel voxel) const;
   /// Whether the first of two voxels comes first in Morton order.
@@ -63,14 +64,16 @@ class SolidCloud {
   /// Four blocks a side.
   struct Cube {
     explicit Cube(std::uint64_t cube_key) : key(cube_key) {}
-    std::uint64_t key;         ///< Morton, of the cube
-    std::uint64_t blocks = 0;  ///< bits of the blocks that hold points, in Morton order
-    int level = 0;             ///< doublings of its voxels
-    std::vector<Block> held;   ///< of those, in that order
-    const Block* block(std::uint64_t bit) const;
+    std::uint64_t key;                            ///< Morton, of the cube
+    std::uint64_t blocks = 0;                     ///< bits of the blocks that hold points, in Morton order
+    int level = 0;                                ///< doublings of its voxels
+    std::vector<Block> held;                      ///< of those, in that order
+    std::size_t place(std::uint64_t bit) const;   ///< in `held`, of a block of that bit
+    const Block* block(std::uint64_t bit) const;  ///< null where it holds no point
   };
 
-  const Cube* cube_of(std::uint64_t key) const;
+  const Cube* cube_of(std::uint64_t key) const;  ///< null where it holds no point
+  static const Block* block_of(const Cube* cube, std::uint64_t key);
   bool goes_on(const Eigen::Vector3f& point, int level) const;
   void fill(const Cube& cube, std::uint64_t block_bit, Block* block) const;
   Eigen::Vector3f position(std::uint64_t key, std::uint32_t packed) const;
