@@ -29,7 +29,7 @@ struct Options {
   std::string world = "urban", lidar = "vlp16", stamp = "begin", channel = "LIDAR";
   std::vector<std::string> events;
   std::string log, truth, bin;
-  double noise = -1;
+  double noise = -1, moved_percent = 0;
   bool no_distortion = false, json = false, force = false;
   SimulationConfig config;
 };
@@ -50,6 +50,15 @@ void declare(CommandLine line, Options& options) {
               "250 m with offices on both sides. tunnel has no laps");
   line.option("--seed", options.config.seed, "world, route and noise follow from it")
       .from_zero()
+      .default_shown();
+  line.option(
+          "--drive-seed", options.config.drive_seed,
+          "another drive in the world of --seed: route (urban and indoor), traffic and noise follow from it")
+      .from_zero();
+  line.option("--moved", options.moved_percent,
+              "percent of the furniture (indoor), or of parked cars and bins (urban), that stand elsewhere; "
+              "which "
+              "ones follows from the seed of the drive")
       .default_shown();
   line.option("--event", options.events,
               "may be given again; in seconds: kidnap@T (the sensor is carried 3 to 15 m and turned), "
@@ -87,6 +96,7 @@ void settle(Options& options) try {
   for (const std::string& text : options.events) options.config.events.push_back(parse_event(text));
   if (options.noise >= 0) options.config.noise_m = options.noise;
   options.config.motion_distortion = !options.no_distortion;
+  options.config.moved = options.moved_percent / 100;
   options.config.stamp_at_end = options.stamp == "end";
 } catch (const std::invalid_argument& error) {
   throw UsageError(error.what());

@@ -44,7 +44,7 @@ Floor plan_floor(Random& random) {
   return floor;
 }
 
-void add_rooms(Scene& scene, const Floor& floor, int column, int row, Random& random) {
+void add_rooms(Scene& scene, const Floor& floor, int column, int row, Random& random, Changes& changes) {
   const double half = floor.corridor / 2;
   const double x0 = floor.x[column] + half, x1 = floor.x[column + 1] - half;
   const double y0 = floor.y[row] + half, y1 = floor.y[row + 1] - half;
@@ -61,8 +61,8 @@ void add_rooms(Scene& scene, const Floor& floor, int column, int row, Random& ra
         scene.add(Box::upright({door - kDoor / 2 - 0.03, y, 0}, random.uniform(-0.05, 0.05),
                                {0.04, 0.95, 2.05}, 0.4));
       }
-  furnish_room(scene, x0 + kWall, split - kWall / 2, y0 + kWall, y1 - kWall, doors[0], random);
-  furnish_room(scene, split + kWall / 2, x1 - kWall, y0 + kWall, y1 - kWall, doors[1], random);
+  furnish_room(scene, x0 + kWall, split - kWall / 2, y0 + kWall, y1 - kWall, doors[0], random, changes);
+  furnish_room(scene, split + kWall / 2, x1 - kWall, y0 + kWall, y1 - kWall, doors[1], random, changes);
   if (random.chance(0.6)) {  // something on the corridor's wall, between the doors
     const double height = random.uniform(0.9, 2), depth = random.uniform(0.15, 0.35);
     add_block(scene, split - 0.6, split + 0.6, y1, y1 + depth, 0, height, 0.5);
@@ -125,8 +125,9 @@ Polyline plan_walk(const Floor& floor, double length, Random& random) {
 
 }  // namespace
 
-World make_indoor(std::uint64_t seed, double seconds, const DriveStyle& style) {
+World make_indoor(std::uint64_t seed, const Visit& visit, const DriveStyle& style) {
   Random random(seed, 20);
+  Changes changes(seed, visit);
   const Floor floor = plan_floor(random);
   World world;
   world.style = style;
@@ -135,9 +136,11 @@ World make_indoor(std::uint64_t seed, double seconds, const DriveStyle& style) {
   world.scene.set_ceiling(floor.ceiling);
   add_outer_walls(world.scene, floor);
   for (int column = 0; column + 1 < kCorridors; ++column)
-    for (int row = 0; row + 1 < kCorridors; ++row) add_rooms(world.scene, floor, column, row, random);
+    for (int row = 0; row + 1 < kCorridors; ++row)
+      add_rooms(world.scene, floor, column, row, random, changes);
   world.scene.build();
-  world.route = plan_walk(floor, needed_length(style, seconds), random);
+  if (visit.seed) random = Random(*visit.seed, 20);
+  world.route = plan_walk(floor, needed_length(style, visit.seconds), random);
   for (const double y : floor.y) {  // a person in each corridor
     const Polyline line({{floor.x.front(), y + 0.6}, {floor.x.back(), y + 0.6}});
     const double speed = random.uniform(0.7, 1.4), start = random.uniform(0, line.length());

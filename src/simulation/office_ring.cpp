@@ -44,7 +44,7 @@ Front draw_front(Random& random) {
 /// A room at x0..x1 behind the corridor's side at y = front, `depth` deep; `out` is +1 where it lies towards
 /// greater y, else -1. It brings its front, its left wall and its furniture.
 void add_room(Scene& scene, const Ring& ring, double x0, double x1, double front, double depth, double out,
-              Random& random) {
+              Random& random, Changes& changes) {
   // From the corridor: y is front + out * distance.
   const auto low = [&](double near, double far) { return std::min(front + out * near, front + out * far); };
   const auto block = [&](double from, double to, double near, double far, double bottom, double top) {
@@ -61,7 +61,8 @@ void add_room(Scene& scene, const Ring& ring, double x0, double x1, double front
     scene.add(
         Box::upright({door - kDoor / 2 - 0.03, y, 0}, random.uniform(-0.05, 0.05), {0.04, 0.95, 2.05}, 0.4));
   }
-  furnish_room(scene, x0 + kWall, x1, low(kWall, depth), low(kWall, depth) + depth - kWall, door, random);
+  furnish_room(scene, x0 + kWall, x1, low(kWall, depth), low(kWall, depth) + depth - kWall, door, random,
+               changes);
   if (kind != Front::kNone && random.chance(0.5)) {  // a cupboard in the corridor, beside the door
     const double from = door < (x0 + x1) / 2 ? x1 - random.uniform(0.7, 1.2) : x0 + 0.1;
     const double height = random.uniform(0.9, 2), cupboard = random.uniform(0.15, 0.35);
@@ -71,7 +72,7 @@ void add_room(Scene& scene, const Ring& ring, double x0, double x1, double front
 
 /// Rooms of many widths in a row, with the walls at the ends and at the back of the row.
 void add_row(Scene& scene, const Ring& ring, double x0, double x1, double front, double depth, double out,
-             Random& random) {
+             Random& random, Changes& changes) {
   const double back = front + out * (depth + kWall / 2);
   add_block(scene, x0, x1, back - kWall / 2, back + kWall / 2, 0, ring.ceiling, 0.6);
   const double end = front + out * depth / 2;
@@ -79,26 +80,26 @@ void add_row(Scene& scene, const Ring& ring, double x0, double x1, double front,
   double x = x0;
   while (x1 - x > 11) {
     const double width = random.uniform(4, 6.5);
-    add_room(scene, ring, x, x + width, front, depth, out, random);
+    add_room(scene, ring, x, x + width, front, depth, out, random, changes);
     x += width;
   }
   if (x1 - x > 6.5) {  // 6.5 to 11 m are left: two of the same width
     const double width = (x1 - x) / 2;
-    add_room(scene, ring, x, x + width, front, depth, out, random);
+    add_room(scene, ring, x, x + width, front, depth, out, random, changes);
     x += width;
   }
-  add_room(scene, ring, x, x1, front, depth, out, random);
+  add_room(scene, ring, x, x1, front, depth, out, random, changes);
 }
 
 /// One of the ring's four sides in a frame of its own: the corridor's middle runs along x from corner to
 /// corner, 0 to `length`, and the ring's inside is at greater y. The room in the inner corner belongs to the
 /// side that comes to it.
 void add_side(Scene& scene, const Ring& ring, double length, const Eigen::Vector2d& corner, double yaw,
-              Random& random) {
+              Random& random, Changes& changes) {
   const double half = ring.corridor / 2;
   Scene side;
-  add_row(side, ring, -half, length + half, -half, ring.outer, -1, random);
-  add_row(side, ring, half + ring.inner, length - half, half, ring.inner, 1, random);
+  add_row(side, ring, -half, length + half, -half, ring.outer, -1, random, changes);
+  add_row(side, ring, half + ring.inner, length - half, half, ring.inner, 1, random, changes);
 
   const Eigen::Matrix3d turn = rotation_about_z(yaw);
   const Eigen::Vector3d origin(corner.x(), corner.y(), 0);
@@ -124,8 +125,9 @@ void add_people(World& world, const Polyline& lap, Random& random) {
 
 }  // namespace
 
-World make_office_ring(std::uint64_t seed, int laps, const DriveStyle& style) {
+World make_office_ring(std::uint64_t seed, const Visit& visit, const DriveStyle& style) {
   Random random(seed, 21);
+  Changes changes(seed, visit);
   const Ring ring = plan_ring(random);
   const double margin = ring.corridor / 2 + ring.outer + 2;
   const std::vector<Eigen::Vector2d> corners = {
@@ -137,14 +139,15 @@ World make_office_ring(std::uint64_t seed, int laps, const DriveStyle& style) {
   world.scene.set_ceiling(ring.ceiling);
   for (int side = 0; side < 4; ++side)
     add_side(world.scene, ring, side % 2 == 0 ? ring.length : ring.width, corners[side], side * kPi / 2,
-             random);
+             random, changes);
   world.scene.build();
+  if (visit.seed) random = Random(*visit.seed, 21);
 
   std::vector<Eigen::Vector2d> way = {{ring.length / 2, 0}, corners[1], corners[2], corners[3], corners[0]};
   if (random.chance(0.5)) std::reverse(way.begin() + 1, way.end());
   const Polyline lap = closed_lap(way, 0.05, kRouteBend);
   constexpr Wander kWander{0.2, 7};
-  set_laps(world, lap, laps, kWander, random);
+  set_laps(world, lap, visit.laps, kWander, random);
   add_people(world, lap, random);
   return world;
 }

@@ -105,17 +105,17 @@ void add_forest_tree(Scene& scene, const Eigen::Vector3d& place, Random& random)
 
 }  // namespace
 
-World make_forest(std::uint64_t seed, const RouteExtent& extent, const DriveStyle& style) {
+World make_forest(std::uint64_t seed, const Visit& visit, const DriveStyle& style) {
   Random random(seed, 30);
   constexpr double kRadius = 45, kReach = 130, kTreesPerSquareMetre = 0.045;
   constexpr Wander kWander{0.35, 8};
-  const double aside = extent.laps > 0 ? 2 * kWander.aside_m : 0;  // from one lap to another
+  const double aside = visit.laps > 0 ? 2 * kWander.aside_m : 0;  // from one lap to another
   World world;
   world.style = style;
-  if (extent.laps > 0)
-    set_laps(world, plan_lap(kRadius, random), extent.laps, kWander, random);
+  if (visit.laps > 0)
+    set_laps(world, plan_lap(kRadius, random), visit.laps, kWander, random);
   else
-    world.route = plan_round(kRadius, needed_length(style, extent.seconds), random);
+    world.route = plan_round(kRadius, needed_length(style, visit.seconds), random);
   const Hills hills(60, 1.6, 2.5, random);
   world.scene = Scene(Terrain({-kReach, -kReach}, {kReach, kReach}, 1, hills));
   const Polyline round(std::vector<Eigen::Vector2d>(  // one round is enough to keep clear of
@@ -140,16 +140,16 @@ World make_forest(std::uint64_t seed, const RouteExtent& extent, const DriveStyl
   return world;
 }
 
-World make_field(std::uint64_t seed, const RouteExtent& extent, const DriveStyle& style) {
+World make_field(std::uint64_t seed, const Visit& visit, const DriveStyle& style) {
   Random random(seed, 40);
   constexpr double kRadius = 60, kReach = 190;
   constexpr Wander kWander{0.8, 25};
   World world;
   world.style = style;
-  if (extent.laps > 0)
-    set_laps(world, plan_lap(kRadius, random), extent.laps, kWander, random);
+  if (visit.laps > 0)
+    set_laps(world, plan_lap(kRadius, random), visit.laps, kWander, random);
   else
-    world.route = plan_round(kRadius, needed_length(style, extent.seconds), random);
+    world.route = plan_round(kRadius, needed_length(style, visit.seconds), random);
   const Hills hills(150, 2.0, 6, random);
   world.scene = Scene(Terrain({-kReach, -kReach}, {kReach, kReach}, 2, hills));
   for (int i = 0; i < 14; ++i) {  // far bushes, hay bales and poles, and one barn
@@ -170,12 +170,12 @@ World make_field(std::uint64_t seed, const RouteExtent& extent, const DriveStyle
   return world;
 }
 
-World make_tunnel(std::uint64_t seed, double seconds, const DriveStyle& style) {
+World make_tunnel(std::uint64_t seed, const Visit& visit, const DriveStyle& style) {
   Random random(seed, 50);
   constexpr double kPortal = 40, kSegment = 4, kHalfWidth = 5, kSides = 14;
   World world;
   world.style = style;
-  const double length = needed_length(style, seconds) + kPortal;
+  const double length = needed_length(style, visit.seconds) + kPortal;
   std::vector<Eigen::Vector2d> points = {{0, 0}};
   double heading = 0, bend = 0;
   for (double s = 0; s < length + 100; s += 5) {

@@ -9,6 +9,8 @@
 namespace scanlock {
 namespace {
 
+constexpr int kAttempts = 40;  // to find a place for a piece of furniture
+
 void add_table(Scene& scene, const Eigen::Vector2d& p, double yaw, Random& random) {
   const double length = random.uniform(0.9, 1.7), width = random.uniform(0.6, 0.9),
                height = random.uniform(0.68, 0.78);
@@ -42,15 +44,28 @@ void add_wall_with_doors(Scene& scene, double ceiling, double x0, double x1, dou
   add_block(scene, from, x1, y, y + kWall, 0, ceiling, 0.6);
 }
 
-void furnish_room(Scene& scene, double x0, double x1, double y0, double y1, double door, Random& random) {
+void furnish_room(Scene& scene, double x0, double x1, double y0, double y1, double door, Random& random,
+                  Changes& changes) {
   const int pieces = random.integer(5, 11);
-  for (int attempt = 0, placed = 0; attempt < 40 && placed < pieces; ++attempt) {
-    const bool against_wall = random.chance(0.5), left = random.chance(0.5);
-    const double y = random.uniform(y0 + 0.6, y1 - 0.6), x = random.uniform(x0 + 0.6, x1 - 0.6);
-    Eigen::Vector2d p(x, y);
-    if (against_wall) p.x() = left ? x0 + 0.25 : x1 - 0.25;
-    if (std::abs(p.x() - door) < (against_wall ? 1.1 : 1.75)) continue;
+  const auto draw = [&](bool against_wall, Random& dice) {
+    const bool left = dice.chance(0.5);
+    const double y = dice.uniform(y0 + 0.6, y1 - 0.6), x = dice.uniform(x0 + 0.6, x1 - 0.6);
+    if (against_wall) return Eigen::Vector2d(left ? x0 + 0.25 : x1 - 0.25, y);
+    return Eigen::Vector2d(x, y);
+  };
+  for (int attempt = 0, placed = 0; attempt < kAttempts && placed < pieces; ++attempt) {
+    const bool against_wall = random.chance(0.5);
+    const auto is_free = [&](const Eigen::Vector2d& p) {
+      return std::abs(p.x() - door) >= (against_wall ? 1.1 : 1.75);
+    };
+    Eigen::Vector2d p = draw(against_wall, random);
+    if (!is_free(p)) continue;
     ++placed;
+    if (changes.next()) {
+      Eigen::Vector2d to = draw(against_wall, changes.random());
+      for (int i = 1; i < kAttempts && !is_free(to); ++i) to = draw(against_wall, changes.random());
+      if (is_free(to)) p = to;
+    }
     const Eigen::Vector3d place(p.x(), p.y(), 0);
     if (against_wall) {  // a cupboard or a shelf
       scene.add(Box::upright(place, 0, {0.45, random.uniform(0.6, 1.6), random.uniform(0.8, 2.1)}, 0.45));

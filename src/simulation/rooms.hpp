@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "simulation/changes.hpp"
 #include "simulation/random.hpp"
 #include "simulation/scene.hpp"
 
@@ -21,6 +22,7 @@ void add_wall_with_doors(Scene& scene, double ceiling, double x0, double x1, dou
                          const std::vector<double>& doors);
 
 /// Furniture between x0..x1, y0..y1, but not within 0.75 m of the way along y through the door at x = `door`.
-void furnish_room(Scene& scene, double x0, double x1, double y0, double y1, double door, Random& random);
+void furnish_room(Scene& scene, double x0, double x1, double y0, double y1, double door, Random& random,
+                  Changes& changes);
 
 }  // namespace scanlock

@@ -37,24 +37,33 @@ SimulationConfig checked(const SimulationConfig& config) {
     throw std::invalid_argument("the speed at the start must lie between 0 and 60 m/s");
   if (config.noise_m && !(*config.noise_m >= 0 && *config.noise_m <= 10))
     throw std::invalid_argument("the noise must lie between 0 and 10 m");
+  if (!(config.moved >= 0 && config.moved <= 1))
+    throw std::invalid_argument("the share that was moved must lie between 0 and 100 %");
   if (config.threads < 1 || config.threads > 256)
     throw std::invalid_argument("threads must lie between 1 and 256");
   return config;
 }
 
 World world_of(const SimulationConfig& config) {
-  if (config.laps)
-    return make_looped_world(config.world, config.seed, *config.laps, config.speed_mps,
-                             config.start_speed_mps);
-  return make_world(config.world, config.seed, config.seconds.value_or(kDefaultSeconds), config.speed_mps,
-                    config.start_speed_mps);
+  Visit visit;
+  visit.seconds = config.seconds.value_or(kDefaultSeconds);
+  visit.laps = config.laps.value_or(0);
+  visit.speed_mps = config.speed_mps;
+  visit.start_mps = config.start_speed_mps;
+  visit.seed = config.drive_seed;
+  visit.moved = config.moved;
+  return make_world(config.world, config.seed, visit);
+}
+
+std::uint64_t drive_seed(const SimulationConfig& config) {
+  return config.drive_seed.value_or(config.seed);
 }
 
 /// The length of the drive, for which all events have to come in time.
 double drive_seconds(const SimulationConfig& config, const World& world, const LidarModel& lidar) {
   double seconds = config.seconds.value_or(config.laps ? kLongest : kDefaultSeconds);
   if (config.laps) {
-    const double laps_s = driving_time(world.route, world.style, world.laps_end_m, config.seed);
+    const double laps_s = driving_time(world.route, world.style, world.laps_end_m, drive_seed(config));
     if (laps_s > kLongest && !config.seconds)
       throw std::invalid_argument("the laps take " + text_of(laps_s) +
                                   " s, more than 90000: let it drive fewer or faster");
@@ -85,7 +94,7 @@ Simulator::Simulator(const SimulationConfig& config)
       lidar_(LidarModel::of(config.lidar)),
       world_(world_of(config)),
       seconds_(drive_seconds(config, world_, lidar_)),
-      drive_(world_.route, world_.scene.terrain(), world_.style, config.events, seconds_, config.seed),
+      drive_(world_.route, world_.scene.terrain(), world_.style, config.events, seconds_, drive_seed(config)),
       beams_(lidar_.sweep(0)) {
   if (config_.noise_m) lidar_.noise = *config_.noise_m;
 }
@@ -225,7 +234,7 @@ void Simulator::cast_beams(std::int64_t sweep, double stamp, const std::vector<M
   const double sweep_begin = static_cast<double>(sweep) * lidar_.period_s;
   const PoseSpline& motion = drive_.piece(drive_.piece_at(sweep_begin));
   const bool half_view = event_active(EventKind::kHalfView, sweep_begin);
-  Random random(config_.seed, kNoise + static_cast<std::uint64_t>(sweep), begin);
+  Random random(drive_seed(config_), kNoise + static_cast<std::uint64_t>(sweep), begin);
   Pose pose = Pose::Identity();
   float pose_time = HUGE_VALF;  // of no beam
   for (std::size_t i = begin; i < end; ++i) {

@@ -22,6 +22,8 @@ struct SimulationConfig {
   std::optional<double> seconds;
   std::optional<int> laps;  ///< of a closed loop; nothing: the world's own way
   std::uint64_t seed = 1;
+  std::optional<std::uint64_t> drive_seed;  ///< of route, traffic and noise; nothing: the world's
+  double moved = 0;  ///< share of furniture and parked cars that stand elsewhere than without it, 0 to 1
   std::vector<SimulationEvent> events;
   double speed_mps = 0;           ///< cruising speed; 0: the world's own
   double start_speed_mps = 0;     ///< as the drive begins

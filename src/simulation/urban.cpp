@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/elementary.hpp"
+#include "simulation/changes.hpp"
 #include "simulation/laps.hpp"
 #include "simulation/random.hpp"
 #include "simulation/urban_buildings.hpp"
@@ -68,7 +69,8 @@ void add_tree(Scene& scene, const Eigen::Vector3d& place, Random& random) {
 }
 
 /// Pavement, cars, trees, lamps and houses along one side of one street.
-void furnish_side(Scene& scene, const StreetPlan& plan, std::size_t street, bool left, Random& random) {
+void furnish_side(Scene& scene, const StreetPlan& plan, std::size_t street, bool left, Random& random,
+                  Changes& changes) {
   const double side = left ? 1 : -1;
   const Polyline& axis = plan.streets[street];
   const Polyline parking = axis.offset(side * 4.7), kerb = axis.offset(side * 6.3);
@@ -80,12 +82,19 @@ void furnish_side(Scene& scene, const StreetPlan& plan, std::size_t street, bool
   for (double s = kSlab / 2; s < pavement.length(); s += kSlab)
     if (plan.clear_of_others(street, pavement.at(s), kKerb + kSlab / 2))
       add_pavement(scene, pavement, s, kSlab);
-  for (double s = 5; s < parking.length(); s += random.uniform(5.6, 7.5))
-    if (random.chance(0.6) && clear(parking.at(s), 3))
-      add_parked_car(scene, on_ground(scene, parking.at(s)), parking.heading(s) + random.uniform(-0.04, 0.04),
-                     random);
+  Scene elsewhere;  // for what does not stand here any more
+  for (double s = 5; s < parking.length(); s += random.uniform(5.6, 7.5)) {
+    const bool parked = random.chance(0.6) && clear(parking.at(s), 3), changed = changes.next();
+    const auto park = [&](double at, Scene& where, Random& dice) {
+      add_parked_car(where, on_ground(scene, parking.at(at)), parking.heading(at) + dice.uniform(-0.04, 0.04),
+                     dice);
+    };
+    if (parked) park(s, changed ? elsewhere : scene, random);
+    if (changed && clear(parking.at(s), 5) && changes.random().chance(0.6))
+      park(s + changes.random().uniform(-1, 1), scene, changes.random());
+  }
   for (double s = random.uniform(3, 12); s < kerb.length(); s += random.uniform(8, 18)) {
-    const Eigen::Vector3d place = on_ground(scene, kerb.at(s));
+    Eigen::Vector3d place = on_ground(scene, kerb.at(s));
     if (!clear(kerb.at(s), 0)) continue;
     if (random.chance(0.55)) {
       add_tree(scene, place, random);
@@ -93,6 +102,7 @@ void furnish_side(Scene& scene, const StreetPlan& plan, std::size_t street, bool
       scene.add(
           Cylinder{place, Eigen::Vector3d::UnitZ(), random.uniform(3, 8), random.uniform(0.05, 0.1), 0.5});
     } else {  // a bin or a cabinet
+      if (changes.next()) place = on_ground(scene, kerb.at(s + changes.random().uniform(-6, 6)));
       scene.add(Box::upright(place, kerb.heading(s),
                              {random.uniform(0.4, 1.4), 0.5, random.uniform(0.9, 1.5)}, 0.5));
     }
@@ -123,8 +133,9 @@ std::vector<Mover> make_traffic(const StreetPlan& plan, const Polyline& route, R
 
 }  // namespace
 
-World make_urban(std::uint64_t seed, const RouteExtent& extent, const DriveStyle& style) {
+World make_urban(std::uint64_t seed, const Visit& visit, const DriveStyle& style) {
   Random random(seed, 10);
+  Changes changes(seed, visit);
   const StreetPlan plan = plan_streets(random);
   const std::array<double, 4> phase = {random.uniform(0, 6), random.uniform(0, 6), random.uniform(0, 6),
                                        random.uniform(0, 6)};
@@ -133,13 +144,14 @@ World make_urban(std::uint64_t seed, const RouteExtent& extent, const DriveStyle
   world.scene =
       Scene(Terrain(plan.low, plan.high, 3, [&](double x, double y) { return ground_height(x, y, phase); }));
   for (std::size_t street = 0; street < plan.streets.size(); ++street)
-    for (const bool left : {false, true}) furnish_side(world.scene, plan, street, left, random);
+    for (const bool left : {false, true}) furnish_side(world.scene, plan, street, left, random, changes);
   world.scene.build();
+  if (visit.seed) random = Random(*visit.seed, 10);
   constexpr Wander kWander{0.3, 40};
-  if (extent.laps > 0)
-    set_laps(world, plan_loop(plan, kLapLength, random), extent.laps, kWander, random);
+  if (visit.laps > 0)
+    set_laps(world, plan_loop(plan, kLapLength, random), visit.laps, kWander, random);
   else
-    world.route = plan_route(plan, needed_length(style, extent.seconds), random);
+    world.route = plan_route(plan, needed_length(style, visit.seconds), random);
   world.movers = make_traffic(plan, world.route, random);
   return world;
 }

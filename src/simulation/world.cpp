@@ -99,40 +99,28 @@ DriveStyle style_of(WorldKind kind) {
   return style;
 }
 
-namespace {
-
-World make(WorldKind kind, std::uint64_t seed, const RouteExtent& extent, double speed_mps,
-           double start_mps) {
+World make_world(WorldKind kind, std::uint64_t seed, const Visit& visit) {
   DriveStyle style = style_of(kind);
-  if (speed_mps > 0) style.slow_mps = style.fast_mps = speed_mps;
-  style.start_mps = start_mps;
+  if (visit.speed_mps > 0) style.slow_mps = style.fast_mps = visit.speed_mps;
+  style.start_mps = visit.start_mps;
+  if (visit.moved > 0 && kind != WorldKind::kUrban && kind != WorldKind::kIndoor)
+    throw std::invalid_argument("nothing stands about there that could be moved: choose urban or indoor");
   switch (kind) {
     case WorldKind::kUrban:
-      return make_urban(seed, extent, style);
+      return make_urban(seed, visit, style);
     case WorldKind::kIndoor:
-      return extent.laps > 0 ? make_office_ring(seed, extent.laps, style)
-                             : make_indoor(seed, extent.seconds, style);
+      return visit.laps > 0 ? make_office_ring(seed, visit, style) : make_indoor(seed, visit, style);
     case WorldKind::kForest:
-      return make_forest(seed, extent, style);
+      return make_forest(seed, visit, style);
     case WorldKind::kTunnel:
-      if (extent.laps > 0)
+      if (visit.laps > 0)
         throw std::invalid_argument(
             "the tunnel has no laps, for it never meets itself: choose urban, indoor, forest or field");
-      return make_tunnel(seed, extent.seconds, style);
+      return make_tunnel(seed, visit, style);
     case WorldKind::kField:
-      return make_field(seed, extent, style);
+      return make_field(seed, visit, style);
   }
   throw std::invalid_argument("unknown kind of world");
-}
-
-}  // namespace
-
-World make_world(WorldKind kind, std::uint64_t seed, double seconds, double speed_mps, double start_mps) {
-  return make(kind, seed, {seconds, 0}, speed_mps, start_mps);
-}
-
-World make_looped_world(WorldKind kind, std::uint64_t seed, int laps, double speed_mps, double start_mps) {
-  return make(kind, seed, {0, laps}, speed_mps, start_mps);
 }
 
 }  // namespace scanlock

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,34 +41,33 @@ struct World {
   double laps_end_m = 0;  ///< arc length of the route where its last lap is closed
 };
 
-/// A world made from the seed alone, with a route for a drive of `seconds`.
-/// `speed_mps` above 0 replaces the world's own cruising speeds by this one (bends are still taken slower);
-/// `start_mps` is the speed as the drive begins.
-World make_world(WorldKind kind, std::uint64_t seed, double seconds, double speed_mps = 0,
-                 double start_mps = 0);
-
-/// A world whose route is a closed loop, driven `laps` times, each time a little to the side of the last.
-/// Indoors it is another floor: a ring of corridors. Throws std::invalid_argument for the tunnel, which is a
-/// straight way.
-World make_looped_world(WorldKind kind, std::uint64_t seed, int laps, double speed_mps = 0,
-                        double start_mps = 0);
-
-/// What a route has to be long enough for: a drive of `seconds`, or, where they are more than 0, `laps`.
-struct RouteExtent {
-  double seconds = 0;
-  int laps = 0;
+/// A drive through a world.
+struct Visit {
+  double seconds = 0;  ///< for which the route has to be long enough,
+  int laps = 0;        ///< or, where they are more than 0, for these, each a little to the side of the last
+  double speed_mps =
+      0;  ///< above 0 it replaces the world's own cruising speeds (bends are still taken slower)
+  double start_mps = 0;  ///< as the drive begins
+  /// Of the route and of who is about; none: the world's. In forest, field and tunnel the route stays.
+  std::optional<std::uint64_t> seed = std::nullopt;
+  double moved = 0;  ///< share of the furniture, parked cars and bins that stand elsewhere than without it
 };
+
+/// A world made from the seed, with a route for the visit.
+/// With laps, indoors, it is another floor: a ring of corridors. Throws std::invalid_argument for laps in the
+/// tunnel, which is a straight way, and for `moved` where nothing stands about: in forest, tunnel and field.
+World make_world(WorldKind kind, std::uint64_t seed, const Visit& visit);
 
 /// The greatest distance that a drive can need, with a margin.
 double needed_length(const DriveStyle& style, double seconds);
 
 /// One maker a world; `style` comes with its speeds settled.
 DriveStyle style_of(WorldKind kind);
-World make_urban(std::uint64_t seed, const RouteExtent& extent, const DriveStyle& style);
-World make_indoor(std::uint64_t seed, double seconds, const DriveStyle& style);
-World make_office_ring(std::uint64_t seed, int laps, const DriveStyle& style);
-World make_forest(std::uint64_t seed, const RouteExtent& extent, const DriveStyle& style);
-World make_tunnel(std::uint64_t seed, double seconds, const DriveStyle& style);
-World make_field(std::uint64_t seed, const RouteExtent& extent, const DriveStyle& style);
+World make_urban(std::uint64_t seed, const Visit& visit, const DriveStyle& style);
+World make_indoor(std::uint64_t seed, const Visit& visit, const DriveStyle& style);
+World make_office_ring(std::uint64_t seed, const Visit& visit, const DriveStyle& style);
+World make_forest(std::uint64_t seed, const Visit& visit, const DriveStyle& style);
+World make_tunnel(std::uint64_t seed, const Visit& visit, const DriveStyle& style);
+World make_field(std::uint64_t seed, const Visit& visit, const DriveStyle& style);
 
 }  // namespace scanlock

@@ -22,7 +22,7 @@ Drive drive_of(const World& world, double seconds, const std::vector<SimulationE
 }  // namespace
 
 TEST_CASE("drive - the twist is the derivative of the pose") {
-  const World world = make_world(WorldKind::kIndoor, 3, 30);
+  const World world = make_world(WorldKind::kIndoor, 3, {30});
   const Drive drive = drive_of(world, 30, {parse_event("shake@10+2")});
   const PoseSpline& motion = drive.piece(0);
   for (double t = 0.013; t < 30; t += 0.0871) {
@@ -43,7 +43,7 @@ TEST_CASE("drive - velocity and acceleration are continuous and bounded, turns a
                                       {WorldKind::kForest, 2.3, 60 * kDegree, 8.0},
                                       {WorldKind::kTunnel, 18.3, 20 * kDegree, 6.0},
                                       {WorldKind::kField, 4.6, 40 * kDegree, 6.0}}) {
-    const World world = make_world(expected.kind, 4, 120);
+    const World world = make_world(expected.kind, 4, {120});
     const Drive drive = drive_of(world, 120);
     const PoseSpline& motion = drive.piece(0);
     double fastest = 0, fastest_turn = 0, acceleration = 0, jump = 0;
@@ -66,7 +66,7 @@ TEST_CASE("drive - velocity and acceleration are continuous and bounded, turns a
 TEST_CASE("drive - one that starts in motion has that speed at once and brakes to its own as a vehicle can") {
   for (const WorldKind kind : {WorldKind::kUrban, WorldKind::kForest}) {
     for (const double start : {2.0, 15.0, 30.0}) {
-      const World world = make_world(kind, 4, 30, 0, start);
+      const World world = make_world(kind, 4, {30, 0, 0, start});
       const Drive drive = drive_of(world, 30);
       const PoseSpline& motion = drive.piece(0);
       CAPTURE(start);
@@ -83,7 +83,7 @@ TEST_CASE("drive - one that starts in motion has that speed at once and brakes t
 
 TEST_CASE("drive - indoors some turns exceed 90 degrees a second, in town some exceed 20") {
   for (const auto& [kind, rate] : {std::pair{WorldKind::kIndoor, 90.0}, std::pair{WorldKind::kUrban, 20.0}}) {
-    const World world = make_world(kind, 4, 120);
+    const World world = make_world(kind, 4, {120});
     const Drive drive = drive_of(world, 120);
     double fastest = 0;
     for (double t = 0; t < 120; t += 0.02) fastest = std::max(fastest, std::abs(drive.piece(0).twist(t)[5]));
@@ -92,7 +92,7 @@ TEST_CASE("drive - indoors some turns exceed 90 degrees a second, in town some e
 }
 
 TEST_CASE("drive - shaking turns the sensor fast, and only while it lasts") {
-  const World world = make_world(WorldKind::kUrban, 4, 20);
+  const World world = make_world(WorldKind::kUrban, 4, {20});
   const Drive calm = drive_of(world, 20), shaken = drive_of(world, 20, {parse_event("shake@10+3")});
   double before = 0, during = 0;
   for (double t = 0; t < 9.8; t += 0.01)
@@ -104,7 +104,7 @@ TEST_CASE("drive - shaking turns the sensor fast, and only while it lasts") {
 }
 
 TEST_CASE("drive - a kidnap carries the sensor 3 to 15 m onto ground already driven") {
-  const World world = make_world(WorldKind::kUrban, 4, 40);
+  const World world = make_world(WorldKind::kUrban, 4, {40});
   const Drive drive = drive_of(world, 40, {parse_event("kidnap@20"), parse_event("kidnap@30")});
   REQUIRE(drive.pieces() == 3);
   CHECK(drive.piece_at(19.99) == 0);
@@ -122,7 +122,7 @@ TEST_CASE("drive - a kidnap carries the sensor 3 to 15 m onto ground already dri
 }
 
 TEST_CASE("drive - a kidnap before 3 m are driven is refused") {
-  const World world = make_world(WorldKind::kUrban, 4, 20);
+  const World world = make_world(WorldKind::kUrban, 4, {20});
   CHECK_THROWS_AS(drive_of(world, 20, {parse_event("kidnap@0.5")}), std::invalid_argument);
 }
 

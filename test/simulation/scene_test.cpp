@@ -26,7 +26,7 @@ Eigen::Vector3d random_direction(Random& random) {
 TEST_CASE("scene - the grid finds what trying every shape finds, in every world") {
   for (const WorldKind kind :
        {WorldKind::kUrban, WorldKind::kIndoor, WorldKind::kForest, WorldKind::kTunnel, WorldKind::kField}) {
-    const World world = make_world(kind, 5, 20);
+    const World world = make_world(kind, 5, {20});
     Random random(7);
     int found = 0;
     for (int i = 0; i < 100; ++i) {
