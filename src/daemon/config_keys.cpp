@@ -100,7 +100,7 @@ std::vector<ConfigKey> make_table() {
     TRACKER(max_map_points, "points", 1000, 20000000, "points that the map holds at most"),
     TRACKER(max_archive_points, "points", 1000, 200000000, "points of all places that are remembered for coming back to, 12 bytes each; the oldest give way. Those of a map that was loaded neither count nor give way"),
 
-    make_key("recovery", "search_cores", &T::search_cores, "cores", 0.01, 64, "CPU that searches for the place of a lost robot may take in the mean of half a minute; more finds places that are hard to find sooner"),
+    make_key("recovery", "search_cores", &T::search_cores, "cores", 0.01, 64, "CPU that searches for the place of a lost robot may take in the mean of a minute; more finds places that are hard to find sooner"),
     make_key("recovery", "new_map_after_s", &T::new_map_after_s, "s", 1, 86400, "a robot that sees, and has found no place for so long, goes on in a new map: TRACKING, in a new epoch; it goes on looking for the old one"),
   };
 #undef TRACKER

@@ -76,7 +76,8 @@ CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck&
     on += distance < kOn * to.voxel_ && std::abs(cosine) > kSameWay ? 1 : 0;
   }
   result.overlap = share(on, from.samples_.size());
-  result.contradiction = share(through, on + through);
+  result.on = on;
+  result.through = through;
   return result;
 }
 
@@ -100,13 +101,17 @@ CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& 
   return fit;
 }
 
-CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source) {
+CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
+                 Count count) {
   CloudCheck::OneWay there = CloudCheck::one_way(source, target, target_from_source);
   const CloudCheck::OneWay back = CloudCheck::one_way(target, source, target_from_source.inverse());
   CloudFit fit;
   fit.overlap = std::max(there.overlap, back.overlap);
   fit.least_overlap = std::min(there.overlap, back.overlap);
-  fit.contradiction = std::max(there.contradiction, back.contradiction);
+  const auto contradiction = [](std::size_t on, std::size_t through) { return share(through, on + through); };
+  fit.contradiction = count == Count::kAll ? contradiction(there.on + back.on, there.through + back.through)
+                                           : std::max(contradiction(there.on, there.through),
+                                                      contradiction(back.on, back.through));
   std::vector<float>& distances = there.distances;
   distances.insert(distances.end(), back.distances.begin(), back.distances.end());
   if (distances.empty()) return fit;

@@ -118,10 +118,11 @@ void CloudPair::index_clouds() {
 
 void CloudPair::compare_clouds(bool first, Hypothesis* hypothesis) {
   index_clouds();
-  if (!first) hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->start);
+  const Count count = judged_ ? Count::kWorse : Count::kAll;
+  if (!first) hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->start, count);
   if (!first && hypothesis->fit.contradiction >= kHopeless) return;
   hypothesis->refined = refined(hypothesis->start, &hypothesis->degenerate_axes);
-  hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->refined);
+  hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->refined, count);
   // Where surfaces leave a slide open, the clouds know more of it than the first matches did.
   if (judged_)
     hypothesis->start =
@@ -134,7 +135,7 @@ bool CloudPair::slides(const Hypothesis& hypothesis) const {
   const auto fits = [&](const Eigen::Vector3d& shift) {
     Pose shifted = hypothesis.refined;
     shifted.translation() += shift;
-    const CloudFit fit = compare(*source_check_, *target_check_, shifted);
+    const CloudFit fit = compare(*source_check_, *target_check_, shifted, Count::kWorse);
     return fit.overlap >= kStillFits * hypothesis.fit.overlap && fit.contradiction <= kClearContradiction;
   };
   return fits(step) || fits(-step);

@@ -219,11 +219,12 @@ class Merger {
     std::vector<ArchivedKeyframe> near = request.closure.recent;
     near.push_back(keyframe);
     seen.reload(near, {keyframe.map_from_body.translation()}, request.closure.voxel);
-    PlaceSearch search(kUnlimited);
+    PlaceSearch search(kUnlimited, PlaceSearch::Parts::kNarrow);
     search.begin(std::nullopt);
     search.begin_anew();
     for (int look = 1; look <= kLooks && !search.looked_everywhere(); ++look) {
-      const Surroundings surroundings{seen.map(), keyframe.map_from_body, look * kPause, std::nullopt};
+      const Surroundings surroundings{seen.map(), keyframe.map_from_body, static_cast<double>(keyframe.reach),
+                                      look * kPause, std::nullopt};
       std::optional<RecoveryRequest> next = search.next(1, surroundings, archive_, std::nullopt);
       if (!next) break;
       request.search = std::move(*next);

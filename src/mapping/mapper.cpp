@@ -184,9 +184,9 @@ std::optional<JoinRequest> Mapper::join_request() {
   if (others_.empty() || keyframes.empty() || !tracker_.on_known_ground()) return std::nullopt;
   const ArchivedKeyframe& newest = keyframes.back();
   if (!active_.graph.contains(newest.id) || !joins_.is_due(newest.id)) return std::nullopt;
-  std::optional<RecoveryRequest> search =
-      joins_.next(newest.utime, tracker_.local_map(), tracker_.own_from_body(),
-                  tracker_.archive().without(active_.graph.nodes(), active_.fixed));
+  std::optional<RecoveryRequest> search = joins_.next(
+      newest.utime, tracker_.local_map(), tracker_.own_from_body(), static_cast<double>(newest.reach),
+      tracker_.archive().without(active_.graph.nodes(), active_.fixed));
   if (!search) return std::nullopt;
   JoinRequest request;
   request.search = std::move(*search);

@@ -88,8 +88,9 @@ bool JoinSearch::is_due(std::uint32_t newest) {
 }
 
 std::optional<RecoveryRequest> JoinSearch::next(std::int64_t utime, const LocalMap& map,
-                                                const Pose& map_from_body, const KeyframeArchive& elsewhere) {
-  return search_.next(utime, {map, map_from_body, scans_, std::nullopt}, elsewhere, std::nullopt);
+                                                const Pose& map_from_body, double scene,
+                                                const KeyframeArchive& elsewhere) {
+  return search_.next(utime, {map, map_from_body, scene, scans_, std::nullopt}, elsewhere, std::nullopt);
 }
 
 void JoinSearch::take(const JoinAnswer& answer) {

@@ -44,7 +44,7 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
 class JoinSearch {
  public:
   /// `cores`: see PlaceSearch.
-  explicit JoinSearch(double cores) : search_(cores) {}
+  explicit JoinSearch(double cores) : search_(cores, PlaceSearch::Parts::kNarrow) {}
 
   /// The active submap is another one: what was found is void.
   void begin();
@@ -52,9 +52,10 @@ class JoinSearch {
   void note_scan() { ++scans_; }
   /// Whether to look for a keyframe, which is asked once for each, in the other submaps.
   bool is_due(std::uint32_t newest);
-  /// That search, where its budget allows it. `elsewhere`: the keyframes of the other submaps.
+  /// That search, where its budget allows it. `elsewhere`: the keyframes of the other submaps;
+  /// `scene`: see Surroundings.
   std::optional<RecoveryRequest> next(std::int64_t utime, const LocalMap& map, const Pose& map_from_body,
-                                      const KeyframeArchive& elsewhere);
+                                      double scene, const KeyframeArchive& elsewhere);
   /// Of every answer.
   void take(const JoinAnswer& answer);
   void remember(const JoinFind& find);

@@ -52,7 +52,8 @@ Contest::Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evid
     places_.back().winners_share = kWinnersShare;
   }
   Place& favourite = places_.front();
-  if (evidence >= PlaceEvidence::kSound) favourite.least_share = favourite.winners_share = kSoundShare;
+  favourite.sound = evidence >= PlaceEvidence::kSound;
+  if (favourite.sound) favourite.least_share = favourite.winners_share = kSoundShare;
   if (evidence == PlaceEvidence::kSure) {
     favourite.least_share = favourite.winners_share = kKnownShare;
     favourite.most_score = kHopelessScore;
@@ -96,9 +97,11 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
     return attempt.health.usual_share > 0 ? attempt.health.usual_share : kUnknownShare;
   };
   const auto fits = [&](const Attempt& attempt) {
-    // What the robot has seen on its way explains the scan, too: a place that does so much worse is another.
+    // What the robot has seen on its way explains the scan, too: a place that does so much worse is another,
+    // unless the clouds say that it is not. A map of another sensor explains scans less well.
     return explains(attempt, place.most_score) &&
-           (expected_ || attempt.health.energy <= kHopeless * attempt.health.baseline + kAtLeast) &&
+           (expected_ || place.sound ||
+            attempt.health.energy <= kHopeless * attempt.health.baseline + kAtLeast) &&
            attempt.health.share >= place.least_share * usual(attempt) &&
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   };

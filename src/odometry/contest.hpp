@@ -46,6 +46,7 @@ class Contest {
     double least_share = 0, winners_share = 0;  ///< of the usual share of inliers, to fit, and to win
     double most_score = kCalmScore;
     int missed = 0;
+    bool sound = false;       ///< nearly all that was seen is there, and nothing contradicts (PlaceEvidence)
     bool standing = false;    ///< see note_standing()
     bool fits = false;        ///< the last scan
     bool could_win = false;   ///< by it

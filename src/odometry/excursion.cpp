@@ -52,6 +52,11 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
   return true;
 }
 
+Surroundings Excursion::surroundings() const {
+  const Pose& here = state().pose;
+  return {odometer_->map(), here, seen_.empty() ? 0 : seen_.scene(here.translation()), scans_, up()};
+}
+
 void Excursion::begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted) {
   odometer_->start(utime, scan, predicted);
   seen_.clear();

@@ -44,7 +44,8 @@ class Excursion {
   /// Of the last scan that was followed.
   const Attempt& attempt() const { return attempt_; }
 
-  Surroundings surroundings() const { return {odometer_->map(), state().pose, scans_, up()}; }
+  /// Not before it has followed a scan.
+  Surroundings surroundings() const;
   /// Its odometer, for whoever goes on with it; the excursion is at its end.
   std::unique_ptr<Odometer> take_odometer() { return std::move(odometer_); }
 

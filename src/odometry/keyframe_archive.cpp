@@ -243,6 +243,10 @@ std::vector<Eigen::Vector3d> stands_around(const std::vector<ArchivedKeyframe>& 
 PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const Eigen::Vector3d& centre,
                          double radius, double voxel) {
   PointCloud all;
+  std::size_t most = 0;
+  for (const ArchivedKeyframe& k : keyframes) most += k.points->size();
+  for (std::vector<float>* v : {&all.x, &all.y, &all.z}) v->reserve(most);
+  all.eyes.reserve(most);
   const auto radius2 = static_cast<float>(radius * radius);
   for (const ArchivedKeyframe& k : keyframes) {
     const Eigen::Vector3d offset = k.map_from_body.translation() - centre;

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
@@ -17,13 +19,21 @@ constexpr int kLooksAScan = 24;       // for so many attempts: what is found aga
 constexpr double kSourceReach = 5.6;  // of the scene's size, radius of what is looked for
 constexpr double kVoxel = 0.0675;     // of the scene's size
 // What looks alike on one scale seldom does so on another.
-constexpr std::array<double, 3> kScales = {1.0, 1.35, 0.75};
-constexpr double kStandReach = 20.0;  // metres
+constexpr double kStep = 1.35;                      // from one scale to the next
+constexpr std::array<int, 3> kScales = {0, 1, -1};  // steps
+constexpr double kStandReach = 20.0;                // metres
 // Where the body stood in many ways it stands in others, too. A search that allows for them takes several
 // times as long.
 constexpr std::size_t kManyStands = 4;
 constexpr double kTilt = 0.01, kRoughTilt = 0.025;  // radians
-constexpr double kOffset = 20.0;                    // metres: how far from a centre the robot is looked for
+constexpr double kOffset = 20.0;  // metres: how far from the anchor, or from the middle of a narrow part
+
+/// So many steps from a size, metres; of sizes that are about the same it is the same, so that parts of the
+/// map are described once.
+double scale(double size, int steps) {
+  const double step = log(kStep);
+  return exp(step * (std::round(log(size) / step) + steps));
+}
 
 Eigen::Vector3d nearest_place(const KeyframeArchive& archive, const Eigen::Vector3d& centre) {
   const auto distance = [&](const ArchivedKeyframe& k) {
@@ -62,7 +72,9 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   request.body_up = seen.map_from_body.linear().col(2);
   if (others_.empty() || turn_ % round_ == 0) {
     const Eigen::Matrix3f level = level_rotation(request.body_up).cast<float>();
-    others_ = other_centres(archive, PlaceSignature(seen.map.around(here, PlaceSignature::kReach), level));
+    const double reach = wide_ ? (kWidestPart - 1) * kSourceReach * scale(seen.scene, kScales[2]) : kOffset;
+    others_ =
+        other_centres(archive, PlaceSignature(seen.map.around(here, PlaceSignature::kReach), level), reach);
   }
   const auto others = static_cast<int>(others_.size());
   round_ = anchor_ ? 2 * (1 + others) : others;
@@ -72,10 +84,10 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   // The centre is where a sensor was, so that what it saw through is known to be empty.
   request.target_centre =
       nearest_place(archive, at_anchor ? *anchor_ : others_[static_cast<std::size_t>(other)]);
-  const double scene =
-      kScales[static_cast<std::size_t>(attempts_) % kScales.size()] * archive.scene(request.target_centre);
+  const double scene = scale(seen.scene, kScales[static_cast<std::size_t>(attempts_) % kScales.size()]);
   request.source_radius = kSourceReach * scene;
-  request.radius = request.source_radius + kOffset;
+  request.radius =
+      at_anchor || !wide_ ? request.source_radius + kOffset : kWidestPart * request.source_radius;
   request.voxel = kVoxel * scene;
   request.places = archive.keyframes();
   request.source_centre = here;
@@ -117,22 +129,31 @@ bool PlaceSearch::take(std::int64_t serial, bool found, bool little, double cost
 }
 
 std::vector<Eigen::Vector3d> PlaceSearch::other_centres(const KeyframeArchive& archive,
-                                                        const PlaceSignature& seen) const {
-  std::vector<std::pair<double, Eigen::Vector3d>> places;
-  for (const ArchivedKeyframe& k : archive.keyframes())
-    places.emplace_back(-seen.similarity(*k.signature), k.map_from_body.translation());
-  const auto away = [&](const Eigen::Vector3d& place) { return anchor_ ? (place - *anchor_).norm() : 0.0; };
-  std::stable_sort(places.begin(), places.end(), [&](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first < b.first : away(a.second) < away(b.second);
+                                                        const PlaceSignature& seen, double reach) const {
+  struct Part {
+    Eigen::Vector3d centre;
+    double likeness;
+  };
+  std::vector<Part> parts;
+  // The parts stay where they are while the map does, so that they are described once.
+  for (const ArchivedKeyframe& k : archive.keyframes()) {
+    const Eigen::Vector3d& place = k.map_from_body.translation();
+    if (anchor_ && (place - *anchor_).norm() < 0.7 * kOffset) continue;
+    const double likeness = seen.similarity(*k.signature);
+    bool covered = false;
+    for (Part& part : parts) {
+      if ((place - part.centre).norm() >= reach) continue;
+      covered = true;
+      part.likeness = std::max(part.likeness, likeness);
+    }
+    if (!covered) parts.push_back({place, likeness});
+  }
+  const auto away = [&](const Part& part) { return anchor_ ? (part.centre - *anchor_).norm() : 0.0; };
+  std::stable_sort(parts.begin(), parts.end(), [&](const Part& a, const Part& b) {
+    return a.likeness != b.likeness ? a.likeness > b.likeness : away(a) < away(b);
   });
   std::vector<Eigen::Vector3d> centres;
-  const auto covered = [&](const Eigen::Vector3d& place) {
-    if (anchor_ && away(place) < 0.7 * kOffset) return true;
-    return std::any_of(centres.begin(), centres.end(),
-                       [&](const Eigen::Vector3d& c) { return (place - c).norm() < kOffset; });
-  };
-  for (const auto& [unlike, place] : places)
-    if (!covered(place)) centres.push_back(place);
+  for (const Part& part : parts) centres.push_back(part.centre);
   return centres;
 }
 

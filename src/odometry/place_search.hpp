@@ -16,8 +16,14 @@ namespace scanlock {
 /// most like what was seen since, on and on with ever longer pauses.
 class PlaceSearch {
  public:
-  /// `cores`: of the CPU, what searches may take in the mean of half a minute.
-  explicit PlaceSearch(double cores) : cores_(cores), credit_s_(kWindow * cores) {}
+  /// Parts of the map in which a robot is looked for that nobody expects at a certain place.
+  enum class Parts {
+    kWide,   ///< kWidestPart: all places that look alike are rivals in one search
+    kNarrow  ///< one after another, so that each place that looks alike is found
+  };
+  /// `cores`: of the CPU, what searches may take in the mean of a minute.
+  PlaceSearch(double cores, Parts parts)
+      : cores_(cores), credit_s_(kWindow * cores), wide_(parts == Parts::kWide) {}
 
   /// The robot was lost at `anchor` (map frame); none: nobody knows where.
   void begin(const std::optional<Eigen::Vector3d>& anchor);
@@ -39,14 +45,15 @@ class PlaceSearch {
   bool looked_everywhere() const { return turn_ >= 2 && turn_ >= round_; }
 
  private:
-  std::vector<Eigen::Vector3d> other_centres(const KeyframeArchive& archive,
-                                             const PlaceSignature& seen) const;
+  std::vector<Eigen::Vector3d> other_centres(const KeyframeArchive& archive, const PlaceSignature& seen,
+                                             double reach) const;
 
   bool has_credit(std::int64_t utime);
 
-  static constexpr double kWindow = 30;  ///< seconds
+  static constexpr double kWindow = 60;  ///< seconds
   double cores_, credit_s_;              ///< the latter of CPU; below 0 no search begins
   std::int64_t credited_utime_ = 0;      ///< up to when
+  bool wide_;
   std::optional<Eigen::Vector3d> anchor_;
   std::vector<Eigen::Vector3d> others_;  ///< other places, in the order in which they are looked at
   std::int64_t serial_ = 0;

@@ -72,6 +72,10 @@ inline constexpr std::ptrdiff_t kSureWitnesses = 3;
 /// Places that are tried at once, and finds that are remembered: caps on their cost.
 inline constexpr std::size_t kMostPlaces = 5, kMostFinds = 20;
 
+/// Radius of the part of a map that is searched at once, in times the source's: in a building it is the whole
+/// map, so that all places that look alike are rivals in one search.
+inline constexpr double kWidestPart = 6;
+
 /// What a search found.
 struct RecoveryAnswer {
   std::int64_t serial = 0;
@@ -105,7 +109,9 @@ class PlaceFinder {
 
  private:
   struct Target;
-  const Target& target(const RecoveryRequest& request, double voxel, const Eigen::Matrix3d& level);
+  /// What making it costs, where it is not known already, is added to `cost_s`.
+  const Target& target(const RecoveryRequest& request, double voxel, const Eigen::Matrix3d& level,
+                       double* cost_s);
   std::vector<Target> targets_;  ///< the one that was asked for last comes last
 };
 

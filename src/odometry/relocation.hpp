@@ -30,7 +30,8 @@ class Relocation {
     kFound,  ///< in a place that a search proposed
   };
 
-  explicit Relocation(const TrackerConfig& config) : config_(config), search_(config.search_cores) {}
+  explicit Relocation(const TrackerConfig& config)
+      : config_(config), search_(config.search_cores, PlaceSearch::Parts::kWide) {}
 
   /// A scan that the map does not explain, and how much of it is left unexplained (0 to 1).
   void distrust(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer,

@@ -13,6 +13,7 @@ namespace scanlock {
 struct Surroundings {
   const LocalMap& map;
   Pose map_from_body = Pose::Identity();
+  double scene = 0;                   ///< metres, the mean reach of what sees it (see ArchivedKeyframe)
   int scans = 0;                      ///< that the map was made from
   std::optional<Eigen::Vector3d> up;  ///< as an attitude sensor measured it, axes of the map
 };

@@ -29,7 +29,7 @@ struct TrackerConfig {
   int max_map_points = 200000;
   double new_map_after_s = 5.0;  ///< without a place, until a lost robot that sees goes on in a new map
 
-  double search_cores = 0.1;  ///< of the CPU, what searches may take in the mean of half a minute
+  double search_cores = 0.1;  ///< of the CPU, what searches may take in the mean of a minute
 
   int max_archive_points = 2000000;  ///< of all places remembered for coming back to
 };
