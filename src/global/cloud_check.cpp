@@ -102,16 +102,17 @@ CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& 
 }
 
 CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
-                 Count count) {
+                 ContradictionOf whose) {
   CloudCheck::OneWay there = CloudCheck::one_way(source, target, target_from_source);
   const CloudCheck::OneWay back = CloudCheck::one_way(target, source, target_from_source.inverse());
   CloudFit fit;
   fit.overlap = std::max(there.overlap, back.overlap);
   fit.least_overlap = std::min(there.overlap, back.overlap);
-  const auto contradiction = [](std::size_t on, std::size_t through) { return share(through, on + through); };
-  fit.contradiction = count == Count::kAll ? contradiction(there.on + back.on, there.through + back.through)
-                                           : std::max(contradiction(there.on, there.through),
-                                                      contradiction(back.on, back.through));
+  if (whose == ContradictionOf::kBoth)
+    fit.contradiction = share(there.through + back.through, there.compared() + back.compared());
+  else
+    fit.contradiction =
+        std::max(share(there.through, there.compared()), share(back.through, back.compared()));
   std::vector<float>& distances = there.distances;
   distances.insert(distances.end(), back.distances.begin(), back.distances.end());
   if (distances.empty()) return fit;

@@ -21,16 +21,16 @@ struct CloudFit {
   double overlap = 0;
   double residual = 0;  ///< metres: median distance of those that are near any surface to its plane
   /// Of the points that lie on a surface of the other cloud or in space that its rays crossed, the share of
-  /// the latter (see Count). What moves leaves points that other rays of its own cloud crossed, and
+  /// the latter (see ContradictionOf). What moves leaves points that other rays of its own cloud crossed, and
   /// contradicts nothing.
   double contradiction = 0;
   double least_overlap = 0;  ///< as overlap, of the two directions the worse one
 };
 
-/// Which points count for the contradiction.
-enum class Count {
-  kWorse,  ///< those of the cloud that has the greater share: for two clouds of one kind
-  kAll     ///< those of both: of a map few points are where a scan's rays went, and their share says little
+/// Whose points count for the contradiction.
+enum class ContradictionOf {
+  kWorse,  ///< the cloud's that has the greater share: for two clouds of one kind
+  kBoth    ///< both clouds': of a map few points are where a scan's rays went, and their share says little
 };
 
 /// A described cloud made ready to be compared with others.
@@ -43,15 +43,16 @@ class CloudCheck {
   Eigen::Vector3d loose_direction() const;
 
   friend CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
-                          Count count);
+                          ContradictionOf whose);
   friend CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
                          std::size_t count);
 
  private:
   struct OneWay {
     double overlap = 0;
-    std::size_t on = 0, through = 0;
+    std::size_t on = 0, through = 0;  // samples
     std::vector<float> distances;
+    std::size_t compared() const { return on + through; }
   };
   /// Whether rays of this cloud went through a sample of the other, which is at p here.
   bool contradicts(const CloudCheck& from, std::size_t sample, const Eigen::Vector3f& p,

@@ -116,13 +116,17 @@ void CloudPair::index_clouds() {
   if (!target_check_) target_check_.emplace(target_.points, target_.voxel);
 }
 
+CloudFit CloudPair::fit(const Pose& pose) const {
+  const auto whose = judged_ ? ContradictionOf::kWorse : ContradictionOf::kBoth;
+  return compare(*source_check_, *target_check_, pose, whose);
+}
+
 void CloudPair::compare_clouds(bool first, Hypothesis* hypothesis) {
   index_clouds();
-  const Count count = judged_ ? Count::kWorse : Count::kAll;
-  if (!first) hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->start, count);
+  if (!first) hypothesis->fit = fit(hypothesis->start);
   if (!first && hypothesis->fit.contradiction >= kHopeless) return;
   hypothesis->refined = refined(hypothesis->start, &hypothesis->degenerate_axes);
-  hypothesis->fit = compare(*source_check_, *target_check_, hypothesis->refined, count);
+  hypothesis->fit = fit(hypothesis->refined);
   // Where surfaces leave a slide open, the clouds know more of it than the first matches did.
   if (judged_)
     hypothesis->start =
@@ -135,8 +139,8 @@ bool CloudPair::slides(const Hypothesis& hypothesis) const {
   const auto fits = [&](const Eigen::Vector3d& shift) {
     Pose shifted = hypothesis.refined;
     shifted.translation() += shift;
-    const CloudFit fit = compare(*source_check_, *target_check_, shifted, Count::kWorse);
-    return fit.overlap >= kStillFits * hypothesis.fit.overlap && fit.contradiction <= kClearContradiction;
+    const CloudFit there = fit(shifted);
+    return there.overlap >= kStillFits * hypothesis.fit.overlap && there.contradiction <= kClearContradiction;
   };
   return fits(step) || fits(-step);
 }

@@ -49,6 +49,7 @@ class CloudPair {
   Pose surface_pose(const Pose& pose);
   Pose refined(const Pose& start, std::uint32_t* degenerate_axes);
   void index_clouds();
+  CloudFit fit(const Pose& target_from_source) const;  ///< of the indexed clouds
   void compare_clouds(bool first, Hypothesis* hypothesis);
 
   const CloudDescription &source_, &target_;

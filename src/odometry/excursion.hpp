@@ -44,7 +44,7 @@ class Excursion {
   /// Of the last scan that was followed.
   const Attempt& attempt() const { return attempt_; }
 
-  /// Not before it has followed a scan.
+  /// Their scene is 0 until it has followed a scan.
   Surroundings surroundings() const;
   /// Its odometer, for whoever goes on with it; the excursion is at its end.
   std::unique_ptr<Odometer> take_odometer() { return std::move(odometer_); }

@@ -240,21 +240,30 @@ std::vector<Eigen::Vector3d> stands_around(const std::vector<ArchivedKeyframe>& 
   return all;
 }
 
+std::vector<const ArchivedKeyframe*> keyframes_seeing(const std::vector<ArchivedKeyframe>& keyframes,
+                                                      const Eigen::Vector3d& centre, double radius) {
+  std::vector<const ArchivedKeyframe*> result;
+  for (const ArchivedKeyframe& k : keyframes) {
+    const Eigen::Vector3d offset = k.map_from_body.translation() - centre;
+    if (offset.head<2>().norm() <= radius + 4.0 * k.reach) result.push_back(&k);
+  }
+  return result;
+}
+
 PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const Eigen::Vector3d& centre,
                          double radius, double voxel) {
   PointCloud all;
+  const std::vector<const ArchivedKeyframe*> seeing = keyframes_seeing(keyframes, centre, radius);
   std::size_t most = 0;
-  for (const ArchivedKeyframe& k : keyframes) most += k.points->size();
+  for (const ArchivedKeyframe* k : seeing) most += k->points->size();
   for (std::vector<float>* v : {&all.x, &all.y, &all.z}) v->reserve(most);
   all.eyes.reserve(most);
   const auto radius2 = static_cast<float>(radius * radius);
-  for (const ArchivedKeyframe& k : keyframes) {
-    const Eigen::Vector3d offset = k.map_from_body.translation() - centre;
-    if (offset.head<2>().norm() > radius + 4.0 * k.reach) continue;
-    const Eigen::Matrix3f rotation = k.map_from_body.linear().cast<float>();
-    const Eigen::Vector3f translation = offset.cast<float>();
-    for (std::size_t i = 0; i < k.points->size(); ++i) {
-      const Eigen::Vector3f p = rotation * k.points->point(i) + translation;
+  for (const ArchivedKeyframe* k : seeing) {
+    const Eigen::Matrix3f rotation = k->map_from_body.linear().cast<float>();
+    const Eigen::Vector3f translation = (k->map_from_body.translation() - centre).cast<float>();
+    for (std::size_t i = 0; i < k->points->size(); ++i) {
+      const Eigen::Vector3f p = rotation * k->points->point(i) + translation;
       if (!(p.head<2>().squaredNorm() < radius2)) continue;
       all.push_back(p);
       all.eyes.push_back(translation);

@@ -120,6 +120,10 @@ class KeyframeArchive {
 std::vector<Eigen::Vector3d> stands_around(const std::vector<ArchivedKeyframe>& keyframes,
                                            const Eigen::Vector3d& centre, double radius);
 
+/// Those that may have seen something within `radius` metres (horizontally) of `centre` (map frame).
+std::vector<const ArchivedKeyframe*> keyframes_seeing(const std::vector<ArchivedKeyframe>& keyframes,
+                                                      const Eigen::Vector3d& centre, double radius);
+
 /// What was seen within `radius` metres (horizontally) of `centre` (map frame), and where from, thinned to
 /// `voxel` metres: axes of the map, coordinates relative to `centre`.
 PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const Eigen::Vector3d& centre,

@@ -35,16 +35,6 @@ double scale(double size, int steps) {
   return exp(step * (std::round(log(size) / step) + steps));
 }
 
-Eigen::Vector3d nearest_place(const KeyframeArchive& archive, const Eigen::Vector3d& centre) {
-  const auto distance = [&](const ArchivedKeyframe& k) {
-    return (k.map_from_body.translation() - centre).norm();
-  };
-  const auto nearest = std::min_element(
-      archive.keyframes().begin(), archive.keyframes().end(),
-      [&](const ArchivedKeyframe& a, const ArchivedKeyframe& b) { return distance(a) < distance(b); });
-  return nearest->map_from_body.translation();
-}
-
 }  // namespace
 
 void PlaceSearch::begin(const std::optional<Eigen::Vector3d>& anchor) {
@@ -63,7 +53,7 @@ void PlaceSearch::begin_anew() {
 std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surroundings& seen,
                                                  const KeyframeArchive& archive,
                                                  const std::optional<Eigen::Vector3d>& up) {
-  if (!has_credit(utime) || archive.empty() || !is_due(seen.scans)) return std::nullopt;
+  if (!has_credit(utime) || archive.empty() || !is_due(seen.scans) || !(seen.scene > 0)) return std::nullopt;
   RecoveryRequest request;
   request.serial = ++serial_;
   const Eigen::Vector3d here = seen.map_from_body.translation();
@@ -82,8 +72,8 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   const bool at_anchor = anchor_ && (turn < 2 || turn % 2 == 1);
   const int other = anchor_ ? turn / 2 - 1 : turn;
   // The centre is where a sensor was, so that what it saw through is known to be empty.
-  request.target_centre =
-      nearest_place(archive, at_anchor ? *anchor_ : others_[static_cast<std::size_t>(other)]);
+  request.target_centre = at_anchor ? archive.nearest(*anchor_).map_from_body.translation()
+                                    : others_[static_cast<std::size_t>(other)];
   const double scene = scale(seen.scene, kScales[static_cast<std::size_t>(attempts_) % kScales.size()]);
   request.source_radius = kSourceReach * scene;
   request.radius =

@@ -43,11 +43,11 @@ PointCloud room(const Eigen::Vector3f& eye) {
   return cloud;
 }
 
-CloudFit fit(PointCloud source, PointCloud target, Count count = Count::kWorse) {
+CloudFit fit(PointCloud source, PointCloud target, ContradictionOf whose = ContradictionOf::kWorse) {
   add_normals(&source, 2.5f * kSpacing);
   add_normals(&target, 2.5f * kSpacing);
   const CloudCheck s(source, static_cast<double>(kSpacing)), t(target, static_cast<double>(kSpacing));
-  return compare(s, t, Pose::Identity(), count);
+  return compare(s, t, Pose::Identity(), whose);
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ TEST_CASE("a wall that the other cloud's rays went through contradicts") {
   CHECK(fit(room(left), half_room(right)).contradiction > 0.1);
   // The wall is a smaller share of the points of both than of those of one of them.
   const double worse = fit(half_room(right), room(left)).contradiction;
-  const double all = fit(half_room(right), room(left), Count::kAll).contradiction;
+  const double all = fit(half_room(right), room(left), ContradictionOf::kBoth).contradiction;
   CHECK(all > 0.3 * worse);
   CHECK(all < 0.6 * worse);
 }
@@ -97,7 +97,7 @@ TEST_CASE("clouds of nothing fit nothing") {
   PointCloud nothing = room({0, 0, 0}), empty;
   add_normals(&nothing, 0.5f);
   const CloudCheck some(nothing, 0.2), none(empty, 0.2);
-  CHECK(compare(some, none, Pose::Identity(), Count::kWorse).overlap == 0);
+  CHECK(compare(some, none, Pose::Identity(), ContradictionOf::kWorse).overlap == 0);
   CHECK(glance(none, some, Pose::Identity(), 10).overlap == 0);
 }
 

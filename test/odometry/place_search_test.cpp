@@ -65,6 +65,22 @@ TEST_CASE("searches take a tenth of a core in the mean, and more at once only wh
   }
 }
 
+TEST_CASE("what has no extent is not looked for") {
+  const TrackerConfig config;
+  PreparedHall hall(config);
+  Excursion excursion(config, 0, hall.scan(0), {});
+  for (unsigned i = 1; i < 5; ++i) excursion.follow(100000 * i, 0.1, hall.scan(1));
+  KeyframeArchive archive(10000000);
+  archive.restore({archived(Pose::Identity(), hall_map())});
+  for (const double scene : {0.0, 5.0}) {
+    PlaceSearch search(1.0, PlaceSearch::Parts::kWide);
+    search.begin(std::nullopt);
+    search.begin_anew();
+    const Surroundings seen{excursion.surroundings().map, Pose::Identity(), scene, 5, std::nullopt};
+    CHECK(search.next(1, seen, archive, std::nullopt).has_value() == (scene > 0));
+  }
+}
+
 TEST_CASE("a robot that nobody has seen is looked for first where it looks most alike, and elsewhere next") {
   const TrackerConfig config;
   PreparedHall hall(config);
