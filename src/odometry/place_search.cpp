@@ -21,7 +21,6 @@ constexpr double kVoxel = 0.0675;     // of the scene's size
 // What looks alike on one scale seldom does so on another.
 constexpr double kStep = 1.35;                      // from one scale to the next
 constexpr std::array<int, 3> kScales = {0, 1, -1};  // steps
-constexpr double kStandReach = 20.0;                // metres
 // Where the body stood in many ways it stands in others, too. A search that allows for them takes several
 // times as long.
 constexpr std::size_t kManyStands = 4;
@@ -85,7 +84,9 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   // A measured attitude goes for every place. Every other round does without: what accelerates measures
   // badly.
   if (up && (turn_ / round_) % 2 == 0) request.source_up = seen.up;
-  if (!request.source_up) request.stands = stands_around(request.places, request.target_centre, kStandReach);
+  if (!request.source_up)
+    request.stands =
+        stands_around(request.places, request.target_centre, request.radius - request.source_radius);
   rough_ = request.stands.size() > kManyStands;
   request.tilt = rough_ && careful_ ? kRoughTilt : kTilt;
   elsewhere_ = !at_anchor;
