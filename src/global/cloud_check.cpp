@@ -101,6 +101,22 @@ CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& 
   return fit;
 }
 
+std::vector<std::uint16_t> surfaces_met(const CloudCheck& source, const CloudCheck& target,
+                                        const Eigen::Matrix3d& attitude,
+                                        const std::vector<Eigen::Vector3d>& places, std::size_t count) {
+  std::vector<Eigen::Vector3f> points;
+  for (std::uint32_t i : every_nth(source.samples_, count))
+    points.push_back(attitude.cast<float>() * source.cloud_.point(i));
+  std::vector<std::uint16_t> met;
+  met.reserve(places.size());
+  for (const Eigen::Vector3d& place : places) {
+    const Eigen::Vector3f p = place.cast<float>();
+    const auto meets = [&](const Eigen::Vector3f& point) { return target.space_.has_surface(point + p); };
+    met.push_back(static_cast<std::uint16_t>(std::count_if(points.begin(), points.end(), meets)));
+  }
+  return met;
+}
+
 CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
                  ContradictionOf whose) {
   CloudCheck::OneWay there = CloudCheck::one_way(source, target, target_from_source);

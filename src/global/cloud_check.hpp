@@ -42,10 +42,16 @@ class CloudCheck {
   /// The horizontal direction, in the cloud's frame, that its surfaces hold the least.
   Eigen::Vector3d loose_direction() const;
 
+  const SeenSpace& space() const { return space_; }
+
   friend CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
                           ContradictionOf whose);
   friend CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
                          std::size_t count);
+  friend std::vector<std::uint16_t> surfaces_met(const CloudCheck& source, const CloudCheck& target,
+                                                 const Eigen::Matrix3d& attitude,
+                                                 const std::vector<Eigen::Vector3d>& places,
+                                                 std::size_t count);
 
  private:
   struct OneWay {
@@ -71,5 +77,11 @@ class CloudCheck {
 /// two voxels.
 CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
                 std::size_t count);
+
+/// For each of the places, of some `count` points of the source, turned by `attitude` and moved there, how
+/// many are where the target has a surface, give or take two voxels.
+std::vector<std::uint16_t> surfaces_met(const CloudCheck& source, const CloudCheck& target,
+                                        const Eigen::Matrix3d& attitude,
+                                        const std::vector<Eigen::Vector3d>& places, std::size_t count);
 
 }  // namespace scanlock

@@ -104,9 +104,9 @@ Hypothesis CloudPair::examine(const Pose& pose, int consensus, bool first) {
 std::vector<Pose> CloudPair::likely_poses(const std::vector<Eigen::Vector3d>& ups, std::size_t count) {
   CpuClock clock;
   index_clouds();
-  std::vector<Pose> poses =
-      surface_poses(all_matches(), stand_poses(source_.points, target_.points, source_.voxel, ups),
-                    *source_check_, *target_check_, ups, centre_, epsilon_, count);
+  std::vector<Pose> poses = surface_poses(
+      all_matches(), stand_poses(source_.points, target_.points, target_check_->space(), source_.voxel, ups),
+      *source_check_, *target_check_, ups, centre_, epsilon_, count);
   matching_ms_ += clock.lap();
   return poses;
 }

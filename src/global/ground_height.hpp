@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "geometry/point_cloud.hpp"
@@ -11,5 +12,9 @@ namespace scanlock {
 /// Each point's height above the lowest point in the square of nine `cell`s (metres) about it, in a levelled
 /// cloud. Unlike z it does not depend on where the origin is. Points are finite.
 std::vector<float> heights_above_ground(const PointCloud& cloud, float cell);
+
+/// The origin's height, metres, above the ground that a levelled cloud with normals shows about it; none where
+/// it shows none below.
+std::optional<float> height_above_ground(const PointCloud& cloud, float cell);
 
 }  // namespace scanlock

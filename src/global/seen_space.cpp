@@ -17,8 +17,8 @@ constexpr float kStandOff = 2;  // cells: the last stretch may graze the surface
 constexpr int kSectors = 8;     // of the half circle, for a line has no sign
 constexpr int kAcross = 2;      // sectors either side of a normal: rays that do not graze the surface
 constexpr float kSteep = 0.5f;  // horizontal part of a normal that has a heading
-// Rays are not followed out of this box about the origin, which bounds the memory: 20 MB.
-constexpr int kMostAside = 200, kMostAloft = 60;  // cells
+// Rays are not followed out of this box about the origin, which bounds the memory: 55 MB.
+constexpr int kMostAside = 450, kMostAloft = 30;  // cells
 
 int sector(const Eigen::Vector3f& direction) {
   const double turn = atan2(static_cast<double>(direction.y()), static_cast<double>(direction.x())) / kPi;

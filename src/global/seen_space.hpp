@@ -21,6 +21,8 @@ class SeenSpace {
 
   /// Whether a surface that is not level is about there, give or take a voxel or two.
   bool has_surface(const Eigen::Vector3f& p) const;
+  /// Whether a ray went through p, whatever is there.
+  bool was_seen_through(const Eigen::Vector3f& p) const { return headings(p) != 0; }
   /// Whether a ray went through a surface at p (normal: unit, or zero) that is not the ground.
   bool is_crossed(const Eigen::Vector3f& p, const Eigen::Vector3f& normal) const;
 

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <utility>
+#include <tuple>
 
 #include "geometry/angles.hpp"
 #include "geometry/elementary.hpp"
 #include "global/attitude_search.hpp"
 #include "global/cloud_normals.hpp"
+#include "global/ground_height.hpp"
 
 namespace scanlock {
 namespace {
@@ -19,9 +19,11 @@ namespace {
 constexpr double kStep = 2;            // voxels between two stands: a glance sees that far
 constexpr std::size_t kHeadings = 72;  // bins
 constexpr std::size_t kMostTurns = 8;
-constexpr std::size_t kMostStands = 2000;  // of more, only every other one or so
-constexpr std::size_t kMostPoses = 40000;  // of all, in every attitude and heading: half a second of glances
-constexpr double kWiderStep = 1.5;
+// Of all, in every attitude, a cap on their time: a tenth of a second of glimpses. More places are farther
+// apart.
+constexpr std::size_t kMostOfEyes = 40000, kMostOfGround = 360000;
+constexpr double kWiderStep = 1.1;  // at least
+constexpr double kGroundCell = 4;   // voxels
 
 using Headings = std::array<double, kHeadings>;
 
@@ -52,50 +54,108 @@ std::vector<double> likely_turns(const Headings& source, const Headings& target)
                    [&](std::size_t a, std::size_t b) { return agreement[a] > agreement[b]; });
   peaks.resize(std::min(peaks.size(), kMostTurns));
   std::vector<double> turns;
-  for (std::size_t k : peaks) turns.push_back(2 * kPi * static_cast<double>(k) / kHeadings);
+  for (std::size_t k : peaks) {
+    // The top of the parabola through the bin and its neighbours.
+    const double before = agreement[(k + kHeadings - 1) % kHeadings], after = agreement[(k + 1) % kHeadings];
+    const double bend = before - 2 * agreement[k] + after;
+    const double top = bend < 0 ? 0.5 * (before - after) / bend : 0;
+    turns.push_back(2 * kPi * (static_cast<double>(k) + top) / kHeadings);
+  }
   return turns;
 }
 
-/// Where the cloud was seen from, and a step beside it; in a fixed order.
-std::vector<Eigen::Vector3d> stands(const PointCloud& cloud, double step) {
-  std::map<std::pair<int, int>, float> seen_from, around;  // cells, and the height there
-  for (const Eigen::Vector3f& eye : cloud.eyes) {
-    const Eigen::Vector2i cell = (eye.head<2>().cast<double>() / step).array().floor().cast<int>();
-    seen_from.emplace(std::pair(cell.x(), cell.y()), eye.z());
+/// Places of which one stands for all within a step of it.
+class Lattice {
+ public:
+  explicit Lattice(double step) : step_(step) {}
+  /// `dx`, `dy`: so many steps beside it.
+  void add(const Eigen::Vector3f& place, int dx = 0, int dy = 0) {
+    places_.push_back({cell(place.x()) + dx, cell(place.y()) + dy, place.z()});
   }
-  for (const auto& [cell, z] : seen_from) {
+
+  /// In a fixed order.
+  std::vector<Eigen::Vector3d> places() {
+    std::sort(places_.begin(), places_.end());
+    std::vector<Eigen::Vector3d> result;
+    const Place* last = nullptr;
+    for (const Place& place : places_) {
+      const double z = static_cast<double>(place.z);
+      if (last && last->x == place.x && last->y == place.y && z - result.back().z() < step_) continue;
+      last = &place;
+      result.emplace_back((place.x + 0.5) * step_, (place.y + 0.5) * step_, z);
+    }
+    return result;
+  }
+
+ private:
+  struct Place {
+    int x, y;
+    float z;
+    bool operator<(const Place& other) const {
+      return std::tie(x, y, z) < std::tie(other.x, other.y, other.z);
+    }
+  };
+  int cell(float v) const { return static_cast<int>(std::floor(static_cast<double>(v) / step_)); }
+
+  double step_;
+  std::vector<Place> places_;
+};
+
+/// Where the cloud was seen from, and a step beside it.
+std::vector<Eigen::Vector3d> places_of_eyes(const PointCloud& cloud, double step) {
+  Lattice lattice(step);
+  const Eigen::Vector3f* last = nullptr;
+  for (const Eigen::Vector3f& eye : cloud.eyes) {
+    if (last && eye == *last) continue;  // neighbours are often of one scan
+    last = &eye;
     for (int dx = -1; dx <= 1; ++dx) {
-      for (int dy = -1; dy <= 1; ++dy) around.emplace(std::pair(cell.first + dx, cell.second + dy), z);
+      for (int dy = -1; dy <= 1; ++dy) lattice.add(eye, dx, dy);
     }
   }
-  std::vector<Eigen::Vector3d> result;
-  for (const auto& [cell, z] : around)
-    result.emplace_back((cell.first + 0.5) * step, (cell.second + 0.5) * step, z);
-  return result;
+  return lattice.places();
+}
+
+/// `height` metres above surfaces that look up, where that is known to be free.
+std::vector<Eigen::Vector3d> places_above_ground(const PointCloud& cloud, const SeenSpace& space,
+                                                 float height, double step) {
+  Lattice lattice(step);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f place = cloud.point(i) + height * Eigen::Vector3f::UnitZ();
+    if (cloud.nz[i] >= kLevel && space.was_seen_through(place)) lattice.add(place);
+  }
+  return lattice.places();
+}
+
+/// At most so many of what `places_by` makes, farther apart where there are more.
+template <typename PlacesBy>
+void add_at_most(std::size_t most, double step, const PlacesBy& places_by,
+                 std::vector<Eigen::Vector3d>* places) {
+  std::vector<Eigen::Vector3d> more = places_by(step);
+  while (more.size() > std::max<std::size_t>(most, 1)) {
+    const double times =
+        static_cast<double>(more.size()) / static_cast<double>(std::max<std::size_t>(most, 1));
+    more = places_by(step *= std::max(kWiderStep, std::sqrt(times)));
+  }
+  places->insert(places->end(), more.begin(), more.end());
 }
 
 }  // namespace
 
-std::vector<Pose> stand_poses(const PointCloud& source, const PointCloud& target, double voxel,
-                              const std::vector<Eigen::Vector3d>& ups) {
-  double step = kStep * voxel;
-  std::vector<Eigen::Vector3d> places = stands(target, step);
-  std::vector<Pose> poses;
+StandPoses stand_poses(const PointCloud& source, const PointCloud& target, const SeenSpace& space,
+                       double voxel, const std::vector<Eigen::Vector3d>& ups) {
+  StandPoses poses;
   const std::vector<double> turns = likely_turns(headings(source), headings(target));
-  const std::size_t each = std::max<std::size_t>(turns.size() * ups_or_z(ups).size(), 1);
-  while (places.size() > 1 && places.size() > std::min(kMostStands, kMostPoses / each))
-    places = stands(target, step *= kWiderStep);
   for (const Eigen::Vector3d& up : ups_or_z(ups)) {
-    const Eigen::Matrix3d level = level_rotation(up);
-    for (double turn : turns) {
-      Pose pose = Pose::Identity();
-      pose.linear() = level.transpose() * rotation_about_z(turn);
-      for (const Eigen::Vector3d& place : places) {
-        pose.translation() = place;
-        poses.push_back(pose);
-      }
-    }
+    for (double turn : turns)
+      poses.attitudes.push_back(level_rotation(up).transpose() * rotation_about_z(turn));
   }
+  if (poses.attitudes.empty()) return poses;
+  const auto by_eyes = [&](double step) { return places_of_eyes(target, step); };
+  add_at_most(kMostOfEyes / poses.attitudes.size(), kStep * voxel, by_eyes, &poses.places);
+  const auto height = height_above_ground(source, static_cast<float>(kGroundCell * voxel));
+  if (!height) return poses;
+  const auto by_ground = [&](double step) { return places_above_ground(target, space, *height, step); };
+  add_at_most(kMostOfGround / poses.attitudes.size(), kStep * voxel, by_ground, &poses.places);
   return poses;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "geometry/elementary.hpp"
 #include "geometry/rigid_fit.hpp"
@@ -13,10 +14,12 @@
 namespace scanlock {
 namespace {
 
-constexpr double kSteepMatch = 0.7;    // horizontal part of a normal
-constexpr std::size_t kGlance = 100;   // points, of every pose,
-constexpr std::size_t kLook = 600;     // and of the best of them
-constexpr std::size_t kLooked = 1000;  // poses
+constexpr double kSteepMatch = 0.7;      // horizontal part of a normal
+constexpr std::size_t kGlimpse = 32;     // points, of every guess,
+constexpr std::size_t kGlance = 100;     // of the best of those and of every match,
+constexpr std::size_t kLook = 600;       // and of the best of all
+constexpr std::size_t kGlanced = 10000;  // guesses, and
+constexpr std::size_t kLooked = 1000;    // poses that these are
 constexpr std::size_t kMostGlances = 40000;
 
 struct Candidate {
@@ -29,9 +32,33 @@ void best_first(std::vector<Candidate>* candidates) {
                    [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
 }
 
+/// Those at which the most of the source's surfaces meet one of the target's; of those that meet equally many
+/// all or none.
+std::vector<Pose> best_of(const StandPoses& poses, const CloudCheck& source, const CloudCheck& target) {
+  std::vector<std::vector<std::uint16_t>> met;
+  std::vector<std::size_t> poses_that_meet(2 * kGlimpse, 0);  // so many
+  for (const Eigen::Matrix3d& attitude : poses.attitudes) {
+    met.push_back(surfaces_met(source, target, attitude, poses.places, kGlimpse));
+    for (std::uint16_t count : met.back()) ++poses_that_meet[count];
+  }
+  std::size_t enough = poses_that_meet.size(), kept = 0;
+  while (enough > 1 && kept + poses_that_meet[enough - 1] <= kGlanced) kept += poses_that_meet[--enough];
+  std::vector<Pose> result;
+  for (std::size_t i = 0; i < met.size(); ++i) {
+    for (std::size_t k = 0; k < met[i].size(); ++k) {
+      if (met[i][k] < enough) continue;
+      Pose pose = Pose::Identity();
+      pose.linear() = poses.attitudes[i];
+      pose.translation() = poses.places[k];
+      result.push_back(pose);
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
-std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const std::vector<Pose>& guesses,
+std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const StandPoses& guesses,
                                 const CloudCheck& source, const CloudCheck& target,
                                 const std::vector<Eigen::Vector3d>& ups, const Eigen::Vector3d& centre,
                                 double epsilon, std::size_t count) {
@@ -51,7 +78,8 @@ std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const 
       candidates.push_back({score(glance(source, target, pose, kGlance)), pose});
     }
   }
-  for (const Pose& pose : guesses) candidates.push_back({score(glance(source, target, pose, kGlance)), pose});
+  for (const Pose& pose : best_of(guesses, source, target))
+    candidates.push_back({score(glance(source, target, pose, kGlance)), pose});
   best_first(&candidates);
   candidates.resize(std::min(candidates.size(), kLooked));
   for (Candidate& c : candidates) c.score = score(glance(source, target, c.pose, kLook));

@@ -8,6 +8,7 @@
 
 #include "geometry/rigid.hpp"
 #include "global/cloud_check.hpp"
+#include "global/stand_poses.hpp"
 #include "global/surface_fit.hpp"
 
 namespace scanlock {
@@ -18,7 +19,7 @@ namespace scanlock {
 /// what each is worth. The `count` best, the best first, none like another (see separation()); poses at a
 /// glance, to be refined. `guesses`: poses to be looked at as well. `ups`: directions of the target's frame
 /// that may be the source's z axis; empty: z. `centre`, of the source, and `epsilon`: metres.
-std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const std::vector<Pose>& guesses,
+std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const StandPoses& guesses,
                                 const CloudCheck& source, const CloudCheck& target,
                                 const std::vector<Eigen::Vector3d>& ups, const Eigen::Vector3d& centre,
                                 double epsilon, std::size_t count);

@@ -33,6 +33,8 @@ TEST_CASE("what a ray went through is crossed, but for what it grazed") {
   CHECK_FALSE(space.is_crossed({5, 5, 0}, kAlongX));     // beside all rays
   CHECK_FALSE(space.is_crossed({9.7f, 0, 0}, kAlongX));  // at their end
   CHECK_FALSE(space.is_crossed({12, 0, 0}, kAlongX));
+  CHECK(space.was_seen_through({5, 0, 0}));
+  CHECK_FALSE(space.was_seen_through({5, 5, 0}));
   CHECK(space.has_surface({10, 0, 0}));
   CHECK(space.has_surface({10.4f, 0, 0}));
   CHECK_FALSE(space.has_surface({8, 0, 0}));

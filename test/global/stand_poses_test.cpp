@@ -30,6 +30,50 @@ PointCloud corner() {
   return cloud;
 }
 
+std::vector<Pose> poses_of(const PointCloud& source, const PointCloud& target,
+                           const std::vector<Eigen::Vector3d>& ups = {}) {
+  const StandPoses stands =
+      stand_poses(source, target, SeenSpace(target, static_cast<float>(kVoxel)), kVoxel, ups);
+  std::vector<Pose> poses;
+  for (const Eigen::Matrix3d& attitude : stands.attitudes) {
+    for (const Eigen::Vector3d& place : stands.places) {
+      Pose pose = Pose::Identity();
+      pose.linear() = attitude;
+      pose.translation() = place;
+      poses.push_back(pose);
+    }
+  }
+  CHECK(poses.size() == stands.size());
+  return poses;
+}
+
+/// The corner of a room 6 m deep, its floor 1.2 m below the eye, and another floor 3 m above that.
+PointCloud two_storeys() {
+  PointCloud cloud = corner();
+  const PointCloud walls = cloud;
+  for (int storey = 0; storey < 2; ++storey) {
+    const Eigen::Vector3f eye =
+        kStand.cast<float>() + 3.0f * static_cast<float>(storey) * Eigen::Vector3f::UnitZ();
+    for (std::size_t i = 0; storey == 1 && i < walls.size(); ++i) {
+      cloud.push_back(walls.point(i) + Eigen::Vector3f(0, 0, 3));
+      cloud.nx.push_back(walls.nx[i]);
+      cloud.ny.push_back(walls.ny[i]);
+      cloud.nz.push_back(walls.nz[i]);
+      cloud.eyes.push_back(eye);
+    }
+    for (int i = 0; i < 25; ++i) {
+      for (int j = 0; j < 60; ++j) {
+        cloud.push_back({0.2f * static_cast<float>(i), 0.2f * static_cast<float>(j) - 6, eye.z() - 1.2f});
+        cloud.nx.push_back(0);
+        cloud.ny.push_back(0);
+        cloud.nz.push_back(1);
+        cloud.eyes.push_back(eye);
+      }
+    }
+  }
+  return cloud;
+}
+
 }  // namespace
 
 TEST_CASE("a sensor is looked for where others stood, turned as the surfaces are") {
@@ -39,7 +83,7 @@ TEST_CASE("a sensor is looked for where others stood, turned as the surfaces are
     Pose truth = Pose::Identity();
     truth.linear() = so3_exp(Eigen::Vector3d(0, 0, yaw));
     truth.translation() = kStand + Eigen::Vector3d(0.3, -0.2, 0);
-    const std::vector<Pose> poses = stand_poses(moved(target, truth.inverse()), target, kVoxel, {});
+    const std::vector<Pose> poses = poses_of(moved(target, truth.inverse()), target);
     CHECK(poses.size() < 100);
     CHECK(std::any_of(poses.begin(), poses.end(), [&](const Pose& pose) {
       return near(pose, truth, 2 * kVoxel * std::sqrt(0.5) + 1e-6, 0.06);
@@ -51,7 +95,7 @@ TEST_CASE("a sensor is looked for where others stood, turned as the surfaces are
 TEST_CASE("a sensor that is looked for on a slope stands on it") {
   const PointCloud target = corner();
   const Eigen::Vector3d up = Eigen::Vector3d(0.1, 0.2, 1).normalized();
-  const std::vector<Pose> poses = stand_poses(target, target, kVoxel, {Eigen::Vector3d::UnitZ(), up});
+  const std::vector<Pose> poses = poses_of(target, target, {Eigen::Vector3d::UnitZ(), up});
   REQUIRE(!poses.empty());
   CHECK(poses.size() % 2 == 0);
   const auto on_slope = std::count_if(poses.begin(), poses.end(), [&](const Pose& pose) {
@@ -60,15 +104,38 @@ TEST_CASE("a sensor that is looked for on a slope stands on it") {
   CHECK(2 * on_slope == static_cast<std::ptrdiff_t>(poses.size()));
 }
 
+TEST_CASE("a sensor of another height is looked for on every floor, where nobody stood") {
+  const PointCloud target = two_storeys();
+  const Eigen::Vector3d floor = kStand - 1.2 * Eigen::Vector3d::UnitZ();
+  for (const double storey : {0.0, 3.0}) {
+    CAPTURE(storey);
+    Pose truth = Pose::Identity();
+    truth.linear() = so3_exp(Eigen::Vector3d(0, 0, 0.6));
+    truth.translation() = floor + Eigen::Vector3d(1.6, -2.4, 0.5 + storey);  // low, and 2.9 m from the eye
+    const PointCloud source = moved(corner(), truth.inverse());
+    PointCloud with_floor = moved(target, truth.inverse());
+    const std::vector<Pose> poses = poses_of(with_floor, target);
+    const auto is_there = [&](const Pose& pose) {
+      return near(pose, truth, 2 * kVoxel * std::sqrt(0.5) + 1e-6, 0.06) &&
+             std::abs(pose.translation().z() - truth.translation().z()) < 1e-3;
+    };
+    CHECK(std::any_of(poses.begin(), poses.end(), is_there));
+    // Without a floor it is looked for as high as others stood.
+    const std::vector<Pose> without = poses_of(source, target);
+    CHECK(std::none_of(without.begin(), without.end(), is_there));
+    CHECK(!without.empty());
+  }
+}
+
 TEST_CASE("clouds without steep surfaces or eyes give no guesses") {
   PointCloud level = corner();
   std::fill(level.nx.begin(), level.nx.end(), 0.0f);
   std::fill(level.ny.begin(), level.ny.end(), 0.0f);
   std::fill(level.nz.begin(), level.nz.end(), 1.0f);
-  CHECK(stand_poses(level, corner(), kVoxel, {}).empty());
+  CHECK(poses_of(level, corner()).empty());
   PointCloud blind = corner();
   blind.eyes.clear();
-  CHECK(stand_poses(corner(), blind, kVoxel, {}).empty());
+  CHECK(poses_of(corner(), blind).empty());
 }
 
 TEST_CASE("of a body that stood in many ways no more poses are looked at") {
@@ -82,9 +149,9 @@ TEST_CASE("of a body that stood in many ways no more poses are looked at") {
   }
   std::vector<Eigen::Vector3d> ups;
   for (int k = 0; k < 100; ++k) ups.push_back(Eigen::Vector3d(0.01 * k, 0.02, 1).normalized());
-  const std::size_t few = stand_poses(target, target, kVoxel, {ups.front()}).size();
+  const std::size_t few = poses_of(target, target, {ups.front()}).size();
   CHECK(few > 1000);
-  CHECK(stand_poses(target, target, kVoxel, ups).size() <= 40000);
+  CHECK(poses_of(target, target, ups).size() <= 40000);
 }
 
 }  // namespace scanlock

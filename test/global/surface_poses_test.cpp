@@ -22,7 +22,7 @@ DescriptionOptions half_metre() {
 
 std::vector<Pose> poses(const CloudDescription& source, const CloudDescription& target,
                         const std::vector<SurfaceMatch>& matches, const std::vector<Eigen::Vector3d>& ups,
-                        std::size_t count, const std::vector<Pose>& guesses = {}) {
+                        std::size_t count, const StandPoses& guesses = {}) {
   const CloudCheck s(source.points, source.voxel), t(target.points, target.voxel);
   return surface_poses(matches, guesses, s, t, ups, Eigen::Vector3d::Zero(), kEpsilon, count);
 }
@@ -63,7 +63,8 @@ TEST_CASE("where nothing matches, a guess that the clouds like is taken") {
   const CloudDescription source = describe(moved(yard(1, 3), truth.inverse()), half_metre());
   const std::vector<Pose> found =
       poses(source, target, {}, {}, 8,
-            {level_pose(0, 3, -4, 0.5), level_pose(2.05, 3.3, -4.2, 0.5), level_pose(2, 9, 2, 0)});
+            {{level_pose(0, 0, 0, 0).linear(), level_pose(2.05, 0, 0, 0).linear()},
+             {{3, -4, 0.5}, {3.3, -4.2, 0.5}, {9, 2, 0}}});
   REQUIRE(!found.empty());
   CHECK(is_about(found.front(), truth));
 }
