@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_set>
 #include <utility>
 
@@ -43,7 +44,7 @@ double LocalMap::insert(Keyframe keyframe, double voxel) {
   keyframes_.push_back(std::move(keyframe));
   const bool rebuild = wants_rebuild(here, voxel);
   if (rebuild) {
-    forget(here);
+    forget(here, limits_);
     if ((here - origin_).norm() > kOriginReach || keyframes_.size() == 1) move_origin(here);
     note_voxels(voxel);
   }
@@ -58,7 +59,7 @@ double LocalMap::insert(Keyframe keyframe, double voxel) {
          static_cast<double>(std::max<std::size_t>(keyframes_.back().points.size(), 1));
 }
 
-void LocalMap::load(std::vector<Keyframe> keyframes, double voxel) {
+void LocalMap::load(std::vector<Keyframe> keyframes, double voxel, std::size_t places) {
   clear();
   if (keyframes.empty()) return;
   const Eigen::Vector3d here = keyframes.back().map_from_body.translation();
@@ -69,7 +70,13 @@ void LocalMap::load(std::vector<Keyframe> keyframes, double voxel) {
     keyframes_.push_back(std::move(keyframe));
     add_novel_points(keyframes_.back());
   }
-  forget(here);
+  LocalMapLimits limits = limits_;
+  if (places > 1) {
+    limits.max_keyframes *= static_cast<int>(places);
+    limits.max_points *= static_cast<int>(places);
+    limits.max_distance = std::numeric_limits<double>::infinity();
+  }
+  forget(here, limits);
   note_voxels(voxel);
   index_all();
 }
@@ -92,20 +99,20 @@ bool LocalMap::wants_rebuild(const Eigen::Vector3d& here, double voxel) const {
          (here - origin_).norm() > 2.0 * kOriginReach;
 }
 
-void LocalMap::forget(const Eigen::Vector3d& here) {
+void LocalMap::forget(const Eigen::Vector3d& here, const LocalMapLimits& limits) {
   const std::uint32_t newest = keyframes_.back().id;
   const auto far = [&](const Keyframe& k) {
-    return k.id != newest && (k.map_from_body.translation() - here).norm() > limits_.max_distance;
+    return k.id != newest && (k.map_from_body.translation() - here).norm() > limits.max_distance;
   };
   keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(), far), keyframes_.end());
-  while (static_cast<int>(keyframes_.size()) > std::max(limits_.max_keyframes, 1)) keyframes_.pop_front();
+  while (static_cast<int>(keyframes_.size()) > std::max(limits.max_keyframes, 1)) keyframes_.pop_front();
 
   std::unordered_set<std::uint32_t> kept;
   std::size_t points = keyframes_.back().points.size();
   for (const Keyframe& k : keyframes_) kept.insert(k.id);
   // The cap counts points of the map; the oldest keyframes give way.
   for (std::uint32_t id : last_seen_) points += kept.count(id);
-  while (points > static_cast<std::size_t>(limits_.max_points) && keyframes_.size() > 1) {
+  while (points > static_cast<std::size_t>(limits.max_points) && keyframes_.size() > 1) {
     const std::uint32_t oldest = keyframes_.front().id;
     points -= static_cast<std::size_t>(std::count(last_seen_.begin(), last_seen_.end(), oldest));
     kept.erase(oldest);

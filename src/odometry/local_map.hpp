@@ -40,8 +40,9 @@ class LocalMap {
   /// Adds a keyframe at its pose. New points are indexed at once; forgetting old ones, and one index of all,
   /// wait until it is worth it. `voxel` in metres. Of its points, the share that shows new ground (0 to 1).
   double insert(Keyframe keyframe, double voxel);
-  /// These and nothing else, as if inserted in this order, but indexed once. `voxel` in metres.
-  void load(std::vector<Keyframe> keyframes, double voxel);
+  /// These and nothing else, as if inserted in this order, but indexed once. `voxel` in metres. Of `places`
+  /// places: the limits hold for each of them, until the next insert.
+  void load(std::vector<Keyframe> keyframes, double voxel, std::size_t places = 1);
   /// Whether a planar sensor sees it, from now on: its surfaces are walls.
   void set_planar(bool planar);
   bool planar() const { return planar_; }
@@ -64,7 +65,7 @@ class LocalMap {
 
  private:
   bool wants_rebuild(const Eigen::Vector3d& here, double voxel) const;
-  void forget(const Eigen::Vector3d& here);
+  void forget(const Eigen::Vector3d& here, const LocalMapLimits& limits);
   void move_origin(const Eigen::Vector3d& here);
   void note_voxels(double voxel);
   void index_all();

@@ -113,16 +113,22 @@ void Odometer::set_planar(bool planar) {
 
 void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
                       const std::vector<Eigen::Vector3d>& centres, double voxel) {
+  // Of each, its distance to the nearest centre that wants it.
+  std::vector<double> wanted(archived.size(), std::numeric_limits<double>::infinity());
+  for (const Eigen::Vector3d& centre : centres) {
+    std::vector<std::pair<double, std::size_t>> around;
+    for (std::size_t i = 0; i < archived.size(); ++i)
+      around.emplace_back((archived[i].map_from_body.translation() - centre).norm(), i);
+    std::sort(around.begin(), around.end());
+    around.resize(std::min(around.size(), static_cast<std::size_t>(config_.max_keyframes)));
+    for (const auto& [distance, i] : around) wanted[i] = std::min(wanted[i], distance);
+  }
   std::vector<std::pair<double, const ArchivedKeyframe*>> nearest;
-  for (const ArchivedKeyframe& k : archived) {
-    double distance = std::numeric_limits<double>::infinity();
-    for (const Eigen::Vector3d& centre : centres)
-      distance = std::min(distance, (k.map_from_body.translation() - centre).norm());
-    nearest.emplace_back(distance, &k);
+  for (std::size_t i = 0; i < archived.size(); ++i) {
+    if (std::isfinite(wanted[i])) nearest.emplace_back(wanted[i], &archived[i]);
   }
   std::stable_sort(nearest.begin(), nearest.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  nearest.resize(std::min(nearest.size(), static_cast<std::size_t>(config_.max_keyframes)));
   first_.points = {};
   std::vector<Keyframe> keyframes;
   // The nearest last: the map forgets from the front.
@@ -134,7 +140,7 @@ void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
     last_keyframe_pose_ = keyframe.map_from_body;
     keyframes.push_back(std::move(keyframe));
   }
-  map_.load(std::move(keyframes), voxel);
+  map_.load(std::move(keyframes), voxel, centres.size());
 }
 
 void Odometer::take_usual_from(const Odometer& other) {

@@ -69,8 +69,8 @@ class Odometer {
   /// Whether its sensor sees one plane only and moves in it. A start asks its scan.
   void set_planar(bool planar);
   bool planar() const { return map_.planar(); }
-  /// The map becomes what was archived around the `centres` (map frame), equally far around each. What is
-  /// usual stays.
+  /// The map becomes what was archived around the `centres` (map frame): around each as much as it would be
+  /// around that alone. What is usual stays.
   void reload(const std::vector<ArchivedKeyframe>& archived, const std::vector<Eigen::Vector3d>& centres,
               double voxel);
 

@@ -53,6 +53,7 @@ void Relocation::end() {
   lost_ = false;
   excursion_.reset();
   candidate_.reset();
+  map_of_several_ = false;
   search_.begin_anew();
 }
 
@@ -230,7 +231,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
 /// Scans decide fairly between places only in a map that knows all of them. What is archived is thinner than
 /// the map at hand, and not loaded for a rival that it does not show better.
 void Relocation::cover(const std::vector<Pose>& places, const KeyframeArchive& archive, double voxel,
-                       Odometer& odometer) const {
+                       Odometer& odometer) {
   std::vector<Eigen::Vector3d> centres;
   bool covered = true;
   for (const Pose& place : places) {
@@ -240,7 +241,9 @@ void Relocation::cover(const std::vector<Pose>& places, const KeyframeArchive& a
     covered = covered && (away < kCovered * archive.scene(centre) ||
                           (rival && away < kAsNear * distance_to(archive.keyframes(), centre)));
   }
-  if (!covered) odometer.reload(archive.keyframes(), centres, voxel);
+  if (covered) return;
+  odometer.reload(archive.keyframes(), centres, voxel);
+  map_of_several_ = centres.size() > 1;
 }
 
 /// Earlier finds are rivals too, and what could not be decided before: a few matches more or less do not

@@ -62,6 +62,8 @@ class Relocation {
   void propose_here();
 
   bool lost() const { return lost_; }
+  /// Whether the odometer's map is that of several places, which is too large to go on in.
+  bool map_of_several() const { return map_of_several_; }
   bool has_excursion() const { return excursion_.has_value(); }
   /// kRecovering, kAmbiguous or kLost.
   TrackingState state() const { return state_; }
@@ -92,7 +94,7 @@ class Relocation {
   void refuse(const std::string& why);
   void follow_excursion(double dt, Odometer& odometer) const;
   void cover(const std::vector<Pose>& places, const KeyframeArchive& archive, double voxel,
-             Odometer& odometer) const;
+             Odometer& odometer);
   std::vector<Pose> rivals_of(const RecoveryAnswer& answer) const;
   bool agree(const Pose& a, const Pose& b, double metres, double radians) const;
   Recovery recovery_of(const RecoveryAnswer& answer) const;
@@ -108,6 +110,7 @@ class Relocation {
   double gate_m_ = 0, gate_rad_ = 0;  ///< how far the prediction may be off where the excursion began
   double energy_before_ = 1;
   std::optional<Candidate> candidate_;
+  bool map_of_several_ = false;
   std::vector<Find> earlier_finds_;  ///< of this excursion's searches, the newest first
   std::vector<Pose> undecided_;      ///< places that fitted its scans alike
   PlaceSearch search_;

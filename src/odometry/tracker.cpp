@@ -328,6 +328,8 @@ struct Tracker::State {
     const Pose predicted = relocation.excursion().state().pose;
     join(relocation.excursion(), renormalised(attempt.alignment.moving.pose * predicted.inverse()),
          scan.median_range, &archive);
+    if (relocation.map_of_several())
+      odometer->reload(archive.keyframes(), {attempt.alignment.moving.pose.translation()}, scale.current(0));
     jumped = true;
     believe(scan, attempt);
     jump(predicted, odometer->state().pose);
