@@ -19,8 +19,8 @@ constexpr int kLooksAScan = 24;       // for so many attempts: what is found aga
 constexpr double kSourceReach = 5.6;  // of the scene's size, radius of what is looked for
 constexpr double kVoxel = 0.0675;     // of the scene's size
 // What looks alike on one scale seldom does so on another.
-constexpr double kStep = 1.35;                      // from one scale to the next
-constexpr std::array<int, 3> kScales = {0, 1, -1};  // steps
+constexpr double kStep = 1.35;                  // from one scale to the next
+constexpr std::array<int, 2> kScales = {0, 1};  // steps
 // Where the body stood in many ways it stands in others, too. A search that allows for them takes several
 // times as long.
 constexpr std::size_t kManyStands = 4;
@@ -56,12 +56,13 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   RecoveryRequest request;
   request.serial = ++serial_;
   const Eigen::Vector3d here = seen.map_from_body.translation();
+  const double widest = kSourceReach * scale(seen.scene, kScales.back());  // source, on any scale
   request.utime = utime;
   request.up = up.value_or(Eigen::Vector3d::UnitZ());
   request.body_up = seen.map_from_body.linear().col(2);
   if (others_.empty() || turn_ % round_ == 0) {
     const Eigen::Matrix3f level = level_rotation(request.body_up).cast<float>();
-    const double reach = wide_ ? (kWidestPart - 1) * kSourceReach * scale(seen.scene, kScales[2]) : kOffset;
+    const double reach = wide_ ? (kWidestPart - 1) * widest : kOffset;
     others_ =
         other_centres(archive, PlaceSignature(seen.map.around(here, PlaceSignature::kReach), level), reach);
   }
@@ -75,8 +76,7 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
                                     : others_[static_cast<std::size_t>(other)];
   const double scene = scale(seen.scene, kScales[static_cast<std::size_t>(attempts_) % kScales.size()]);
   request.source_radius = kSourceReach * scene;
-  request.radius =
-      at_anchor || !wide_ ? request.source_radius + kOffset : kWidestPart * request.source_radius;
+  request.radius = at_anchor || !wide_ ? request.source_radius + kOffset : kWidestPart * widest;
   request.voxel = kVoxel * scene;
   request.places = archive.keyframes();
   request.source_centre = here;
