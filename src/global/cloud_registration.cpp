@@ -258,7 +258,7 @@ CloudRegistration Registrar::propose() {
   for (const Pose& pose : options_.proposals) {
     const Hypothesis proposal = clouds_.examine(pose, 0, false);
     if (proposal.fit.contradiction <= kImpossible && proposal.fit.overlap >= kSomeOverlap)
-      result_.standing.push_back(proposal.refined);
+      result_.standing.push_back(proposal);
   }
   const MatchRegistration& s = result_.solution;
   if (s.consensus < kFewestMatches) {

@@ -11,6 +11,7 @@
 
 #include "global/cloud_check.hpp"
 #include "global/cloud_description.hpp"
+#include "global/hypothesis.hpp"
 #include "global/max_consensus.hpp"
 
 namespace scanlock {
@@ -55,7 +56,7 @@ struct CloudRegistration {
   std::string why;                    ///< a sentence for people
   CloudFit fit, rival_fit;            ///< of the pose, and of the best of the others looked at
   std::vector<Pose> rivals;           ///< the others looked at, refined
-  std::vector<Pose> standing;         ///< the proposals that the clouds do not contradict, refined
+  std::vector<Hypothesis> standing;   ///< the proposals that the clouds do not contradict
   std::uint32_t degenerate_axes = 0;  ///< of the refinement
   double epsilon = 0;                 ///< metres, as used
   int attempts = 0;

@@ -13,8 +13,8 @@ namespace scanlock {
 /// cloud. Unlike z it does not depend on where the origin is. Points are finite.
 std::vector<float> heights_above_ground(const PointCloud& cloud, float cell);
 
-/// The origin's height, metres, above the ground that a levelled cloud with normals shows about it; none where
-/// it shows none below.
+/// The origin's height, metres, above the ground that a levelled cloud with normals shows about it; none
+/// where it shows none below.
 std::optional<float> height_above_ground(const PointCloud& cloud, float cell);
 
 }  // namespace scanlock

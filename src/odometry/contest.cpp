@@ -3,6 +3,8 @@
 #include "odometry/contest.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "geometry/angles.hpp"
@@ -22,9 +24,9 @@ constexpr int kMissesAllowed = 1;
 // near. So many places are looked for farther off on one scan, for it takes time; all are in kWins scans.
 constexpr int kFarLooks = 2;
 constexpr int kMostScans = 8;      // scans in which it has to be decided
-constexpr double kClearly = 1.3;   // times the cost of the leader, and
-constexpr double kAtLeast = 0.03;  // that much more: clearly worse
-constexpr double kHopeless = 2.0;  // times the cost: out
+constexpr double kClearly = 3;     // standard deviations: one in a thousand
+constexpr double kHopeless = 2.0;  // times the energy on the way, and
+constexpr double kAtLeast = 0.03;  // that much more: another place
 
 /// Whether two corrections put a body that is predicted there to about the same pose. (Their own translations
 /// say nothing: they grow with the distance from the map's origin.)
@@ -78,12 +80,39 @@ void Contest::note_standing(const Pose& map_from_predicted, const Excursion& exc
   }
 }
 
-/// That the map does not know what is seen at a place that still stands does not speak against it.
-bool Contest::is_worse(const Place& place, const Place& leader, double times, double more) {
-  const auto cost = [&](const Place& p) {
-    return place.standing ? p.attempt.health.energy : p.attempt.cost();
-  };
-  return cost(place) > times * cost(leader) + more;
+double Contest::Place::explained() const {
+  return std::accumulate(patches.begin(), patches.end(), 0.0,
+                         [](double sum, const Patch& patch) { return sum + patch.explained; });
+}
+
+/// Whether patches in which the leader explains more outweigh those in which the place does, by so much that
+/// it is no accident: were both equally likely, the sum of the differences would have the mean 0 and the
+/// variance of the sum of their squares. That the map does not know what is seen at a place that still stands
+/// does not speak against it.
+bool Contest::is_worse(const Place& place, const Place& leader) const {
+  double sum = 0, variance = 0;
+  for (std::size_t i = 0; i < place.patches.size(); ++i) {
+    const double known = place.standing ? place.patches[i].known / points_[i] : 1;
+    const double more = known * leader.patches[i].explained - place.patches[i].explained;
+    sum += more;
+    variance += more * more;
+  }
+  return sum > kClearly * std::sqrt(variance);
+}
+
+/// Which patch each point of the scan is in, where the robot is predicted.
+void Contest::note_points(const PreparedScan& scan, const Pose& predicted) {
+  if (patches_.empty()) patch_ = Odometer::patch(scan);
+  patch_of_point_.clear();
+  for (std::size_t i = 0; i < scan.source.size(); ++i) {
+    const Eigen::Vector3d p = predicted * scan.source.point(i).cast<double>() / patch_;
+    const std::array<int, 3> cell = {static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())),
+                                     static_cast<int>(std::floor(p.z()))};
+    patch_of_point_.push_back(patches_.emplace(cell, patches_.size()).first->second);
+    points_.resize(patches_.size());
+    ++points_[patch_of_point_.back()];
+  }
+  for (Place& place : places_) place.patches.resize(points_.size());
 }
 
 void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
@@ -106,10 +135,22 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   };
   place.attempt = odometer.align(scan, prior, Reach::kNear);
+  std::vector<float> explained = odometer.explained();
   if (place.is_due() && !fits(place.attempt) && *far_looks > 0) {
     --*far_looks;
     place.looked_far = true;
-    place.attempt = better(std::move(place.attempt), odometer.probe(scan, prior, Reach::kFar));
+    Attempt far = odometer.probe(scan, prior, Reach::kFar);
+    if (far.cost() < place.attempt.cost()) {
+      place.attempt = std::move(far);
+      explained = odometer.explained();
+    }
+  }
+  // Of a part of the scan, which a probe looked at first, nothing is explained.
+  explained.resize(explained.size() == patch_of_point_.size() ? explained.size() : 0);
+  for (std::size_t i = 0; i < explained.size(); ++i) {
+    Place::Patch& patch = place.patches[patch_of_point_[i]];
+    patch.explained += static_cast<double>(explained[i]);
+    patch.known += explained[i] > 0 ? 1 : 0;
   }
   place.could_win = place.attempt.health.share >= place.winners_share * usual(place.attempt);
   place.fits = fits(place.attempt);
@@ -126,9 +167,10 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
   const bool led = wins_ > 0;
   odometer.take_usual_from(excursion.odometer());
   int far_looks = kFarLooks;
+  note_points(scan, excursion.state().pose);
   for (Place& place : places_) try_place(odometer, scan, excursion, &far_looks, place);
   std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
-    return a.fits != b.fits ? a.fits : a.attempt.cost() < b.attempt.cost();
+    return a.fits != b.fits ? a.fits : a.explained() > b.explained();
   });
   drop_losers(excursion.state().pose);
   const Place& leader = places_.front();
@@ -136,9 +178,8 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
     wins_ = 0;
     return leader.missed > kMissesAllowed ? Outcome::kRefuted : Outcome::kOpen;
   }
-  const bool clear = std::all_of(places_.begin() + 1, places_.end(), [&](const Place& other) {
-    return !other.fits || (is_worse(other, leader, kClearly, 0) && is_worse(other, leader, 1, kAtLeast));
-  });
+  const bool clear = std::all_of(places_.begin() + 1, places_.end(),
+                                 [&](const Place& other) { return !other.fits || is_worse(other, leader); });
   if (clear && !expected_ && is_open(leader.attempt)) return Outcome::kUndecided;
   const bool same =
       !led || same_place(led_by, leader.map_from_predicted, excursion.state().pose, 1.0, 6.0 * kDegree);
@@ -164,9 +205,8 @@ void Contest::drop_losers(const Pose& predicted) {
   std::vector<Place> left;
   for (Place& place : places_) {
     const bool first = left.empty();
-    const bool out = !place.is_due() &&
-                     (place.missed > kMissesAllowed ||
-                      (!first && left.front().fits && is_worse(place, left.front(), kHopeless, kAtLeast)));
+    const bool out = !place.is_due() && (place.missed > kMissesAllowed ||
+                                         (!first && left.front().fits && is_worse(place, left.front())));
     const bool taken = std::any_of(left.begin(), left.end(), [&](const Place& other) {
       return same_place(other.map_from_predicted, place.map_from_predicted, predicted, 0.3, 3.0 * kDegree);
     });

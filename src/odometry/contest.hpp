@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "geometry/rigid.hpp"
@@ -53,14 +56,25 @@ class Contest {
     bool tried = false;       ///< it has fitted
     bool looked_far = false;  ///< or was looked for farther off
     Attempt attempt;
+    struct Patch {
+      double explained = 0, known = 0;  ///< points of all scans; the latter met any surface
+    };
+    std::vector<Patch> patches;
+    double explained() const;                              ///< points of all patches
     bool is_due() const { return !tried && !looked_far; }  ///< before that it cannot be out
   };
   void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion, int* far_looks,
                  Place& place) const;
-  static bool is_worse(const Place& place, const Place& leader, double times, double more);
+  void note_points(const PreparedScan& scan, const Pose& predicted);
+  bool is_worse(const Place& place, const Place& leader) const;
   void drop_losers(const Pose& predicted);
 
   std::vector<Place> places_;  ///< never empty; the leader first
+  /// Cubes of the predicted frame, by their indices: the points of one share what is wrong with them.
+  std::map<std::array<int, 3>, std::size_t> patches_;
+  std::vector<double> points_;               ///< of all scans, in each patch
+  double patch_ = 0;                         ///< metres, their edge
+  std::vector<std::size_t> patch_of_point_;  ///< of the last scan
   int wins_ = 0, scans_ = 0;
   bool expected_ = false;
 };

@@ -9,6 +9,7 @@
 
 #include "geometry/voxel_grid.hpp"
 #include "icp/degeneracy.hpp"
+#include "icp/welsch.hpp"
 
 namespace scanlock {
 namespace {
@@ -166,7 +167,7 @@ ScanAlignmentOptions Odometer::options(const PreparedScan& scan, const MotionPri
   result.max_iterations = kMostIterations;
   result.gate_margin = (far ? 3.0 : 1.5) * reach_m;
   result.sigma = sigma_ * std::sqrt(inflation());
-  result.patch = kPatch * scan.median_range;
+  result.patch = patch(scan);
   result.threads = config_.threads;
   return result;
 }
@@ -182,6 +183,20 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
   attempt.health = health_.assess(aligner_.residuals(), aligner_.weights(), kKernel * sigma_,
                                   map_.planar() ? planar_chance(scan.whole) : 0.0);
   return attempt;
+}
+
+std::vector<float> Odometer::explained() const {
+  const std::vector<float>& weights = aligner_.weights();
+  std::vector<float> explained(weights.size(), 0);
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const auto residual = static_cast<double>(aligner_.residuals()[i]);
+    if (weights[i] > 0) explained[i] = static_cast<float>(1 - welsch(residual * residual, kKernel * sigma_));
+  }
+  return explained;
+}
+
+double Odometer::patch(const PreparedScan& scan) {
+  return kPatch * scan.median_range;
 }
 
 Attempt Odometer::look_far(const PreparedScan& scan, const MotionPrior& prior) {

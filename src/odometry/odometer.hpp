@@ -93,6 +93,10 @@ class Odometer {
   /// The same where success is unlikely: a part of the points is tried first, and when that does not come
   /// near to explaining itself, it is what comes back. An alignment that fails takes the longest of all.
   Attempt probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
+  /// Of each source point of the last alignment, how far the map explains it: 1 on a surface, 0 off all.
+  std::vector<float> explained() const;
+  /// Edge, metres, of the cubes of a scene in which points share the errors of their surfaces.
+  static double patch(const PreparedScan& scan);
   /// Whether the next scan is that second one, for which an attempt with kDeskewPoints will do.
   bool awaits_second() const { return !first_.points.empty(); }
   /// Of a scan that may be that one: how many points it has for one of the first.

@@ -135,7 +135,9 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   };
   answer.map_from_predicted = correction(found.target_from_source);
   for (const Pose& rival : found.rivals) answer.rivals.push_back(correction(rival));
-  for (const Pose& place : found.standing) answer.standing.push_back(correction(place));
+  for (const Hypothesis& place : found.standing) {
+    if (place.fit.overlap < kSoundOverlap) answer.standing.push_back(correction(place.refined));
+  }
   answer.matches = static_cast<int>(found.solution.matches);
   answer.matches_kept = static_cast<int>(found.solution.matches_after_pruning);
   answer.consensus = found.solution.consensus;

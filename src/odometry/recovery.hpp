@@ -83,7 +83,8 @@ struct RecoveryAnswer {
   PlaceVerdict verdict = PlaceVerdict::kNotHere;
   Pose map_from_predicted = Pose::Identity();  ///< corrects predicted poses; of the likeliest place
   std::vector<Pose> rivals;                    ///< the same, of other places that come into question
-  std::vector<Pose> standing;                  ///< of the undecided ones, those that nothing contradicts
+  /// Of the undecided ones, those that nothing contradicts, though much of what was seen is not there.
+  std::vector<Pose> standing;
   /// Of the largest consensus, which need not be at the likeliest place.
   int matches = 0, matches_kept = 0, consensus = 0, upper_bound = 0, runner_up_consensus = 0;
   bool certified = false;

@@ -143,7 +143,7 @@ TEST_CASE("all places that look alike are proposed") {
   const CloudRegistration found =
       register_clouds(describe(seen, description), describe(map, description), options);
   REQUIRE(found.standing.size() == 1);
-  CHECK(near(found.standing[0], places[0], 0.1, 0.01));
+  CHECK(near(found.standing[0].refined, places[0], 0.1, 0.01));
   std::vector<Pose> proposed = found.rivals;
   proposed.push_back(found.target_from_source);
   for (const Pose& place : places) {

@@ -58,6 +58,27 @@ TEST_CASE("that the map knows little of a place does not speak against one that 
   CHECK(open.why_undecided == "the scans that followed fit several places alike");
 }
 
+TEST_CASE("places that look alike are told apart by what only one of them explains, if that is much") {
+  Scan map;
+  map.points = hall_map();
+  const auto against = [&](const PointCloud& twin) {
+    return contest_of({archived(Pose::Identity(), map.points), archived(kThere, twin)},
+                      {kThere, Pose::Identity()}, false);
+  };
+  const Ending alike = against(map.points);
+  CHECK(alike.outcome == Contest::Outcome::kUndecided);
+  CHECK(alike.why_undecided == "the scans that followed fit several places alike");
+  PointCloud one = map.points, many = map.points;
+  for (std::size_t i = 0; i < map.points.size(); ++i) {
+    const Eigen::Vector3f p = map.points.point(i);
+    if (p.y() > 7.9f && p.x() > 0 && p.x() < 3) one.y[i] += 0.3f;  // a cupboard
+    if (p.y() > 7.9f) many.y[i] += 0.3f;                           // two walls
+    if (p.x() > 11.9f) many.x[i] += 0.3f;
+  }
+  CHECK(against(one).outcome == Contest::Outcome::kUndecided);
+  CHECK(against(many).outcome == Contest::Outcome::kWon);
+}
+
 TEST_CASE(
     "a place alone of which the map knows a little too little is left undecided, and the reason is said") {
   PointCloud map, whole = hall_map();

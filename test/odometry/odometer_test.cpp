@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "room.hpp"
 
 namespace scanlock {
@@ -31,6 +33,37 @@ TEST_CASE("a planar robot that is found turned has the velocity of that turn") {
     CHECK(way[5] == doctest::Approx(turn).epsilon(0.02));
     CHECK(found.twist[5] == doctest::Approx(turn / 0.2).epsilon(0.4));
   }
+}
+
+TEST_CASE("of each of several places the map is as large as of that place alone, until it grows") {
+  TrackerConfig config;
+  config.max_keyframes = 10;
+  config.max_map_points = 11 * 36;
+  std::vector<ArchivedKeyframe> archive;
+  const std::vector<Eigen::Vector3d> centres = {{0, 0, 0}, {500, 0, 0}, {0, 900, 0}};
+  for (const Eigen::Vector3d& centre : centres) {
+    for (int k = 0; k < 15; ++k) {
+      PointCloud points;
+      for (int i = 0; i < 36; ++i)
+        points.push_back({static_cast<float>(i % 6), static_cast<float>(i / 6), 0});
+      ArchivedKeyframe keyframe;
+      keyframe.map_from_body = Pose(Eigen::Translation3d(centre + Eigen::Vector3d(0, 0, 2.0 * k)));
+      keyframe.points = std::make_shared<PointCloud>(points);
+      archive.push_back(std::move(keyframe));
+    }
+  }
+  Odometer odometer(config);
+  odometer.reload(archive, centres, 0.5);
+  for (const Eigen::Vector3d& centre : centres) {
+    const auto& keyframes = odometer.map().keyframes();
+    CHECK(std::count_if(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) {
+            return (k.map_from_body.translation() - centre).norm() < 50;
+          }) == 10);
+  }
+  CHECK(odometer.map().size() == 3 * 10 * 36);
+  odometer.reload(archive, {centres[1]}, 0.5);
+  CHECK(odometer.map().keyframes().size() == 10);
+  CHECK(odometer.map().size() == 10 * 36);
 }
 
 }  // namespace scanlock
