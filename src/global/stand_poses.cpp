@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <tuple>
 
 #include "geometry/angles.hpp"
@@ -104,10 +105,9 @@ class Lattice {
 /// Where the cloud was seen from, and a step beside it.
 std::vector<Eigen::Vector3d> places_of_eyes(const PointCloud& cloud, double step) {
   Lattice lattice(step);
-  const Eigen::Vector3f* last = nullptr;
+  std::set<std::array<float, 3>> eyes;  // few, of many points each
   for (const Eigen::Vector3f& eye : cloud.eyes) {
-    if (last && eye == *last) continue;  // neighbours are often of one scan
-    last = &eye;
+    if (!eyes.insert({eye.x(), eye.y(), eye.z()}).second) continue;
     for (int dx = -1; dx <= 1; ++dx) {
       for (int dy = -1; dy <= 1; ++dy) lattice.add(eye, dx, dy);
     }
