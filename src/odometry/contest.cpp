@@ -56,10 +56,7 @@ Contest::Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evid
   Place& favourite = places_.front();
   favourite.sound = evidence >= PlaceEvidence::kSound;
   if (favourite.sound) favourite.least_share = favourite.winners_share = kSoundShare;
-  if (evidence == PlaceEvidence::kSure) {
-    favourite.least_share = favourite.winners_share = kKnownShare;
-    favourite.most_score = kHopelessScore;
-  }
+  if (evidence == PlaceEvidence::kSure) favourite.least_share = favourite.winners_share = kKnownShare;
 }
 
 Contest::Contest(const Pose& map_from_predicted, int wins)
@@ -128,7 +125,7 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
   const auto fits = [&](const Attempt& attempt) {
     // What the robot has seen on its way explains the scan, too: a place that does so much worse is another,
     // unless the clouds say that it is not. A map of another sensor explains scans less well.
-    return explains(attempt, place.most_score) &&
+    return explains(attempt, kCalmScore) &&
            (expected_ || place.sound ||
             attempt.health.energy <= kHopeless * attempt.health.baseline + kAtLeast) &&
            attempt.health.share >= place.least_share * usual(attempt) &&

@@ -47,7 +47,6 @@ class Contest {
   struct Place {
     Pose map_from_predicted;
     double least_share = 0, winners_share = 0;  ///< of the usual share of inliers, to fit, and to win
-    double most_score = kCalmScore;
     int missed = 0;
     bool sound = false;       ///< nearly all that was seen is there, and nothing contradicts (PlaceEvidence)
     bool standing = false;    ///< see note_standing()
