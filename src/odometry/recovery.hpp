@@ -63,7 +63,7 @@ inline constexpr double kSamePlace = 0.5, kSameHeading = 3.0 * kDegree;
 /// The axes that tell places apart, as bits (see Degeneracy): x, y and yaw.
 inline constexpr std::uint32_t kOnTheGround = 0b100011;
 
-/// Earlier finds that have to say the same as one which is not clear by itself; with a planar sensor one room
+/// Earlier finds that have to say the same as one which is not sound by itself; with a planar sensor one room
 /// is soon like another.
 inline constexpr std::ptrdiff_t kAgreeing = 1, kPlanarAgreeing = 3;
 /// Witnesses that name a place and find nothing that contradicts it, so that it is sure: searches from

@@ -211,7 +211,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     ++witnesses;
   }
   const bool too_little = planar && little;
-  const bool enough = planar ? !too_little && agreeing >= kPlanarAgreeing : clear || agreeing >= kAgreeing;
+  const bool enough = planar ? !too_little && agreeing >= kPlanarAgreeing
+                             : answer.evidence >= PlaceEvidence::kSound || agreeing >= kAgreeing;
   std::vector<Pose> places = rivals_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
   if (!too_little)
