@@ -97,19 +97,31 @@ bool Contest::is_worse(const Place& place, const Place& leader) const {
   return sum > kClearly * std::sqrt(variance);
 }
 
-/// Which patch each point of the scan is in, where the robot is predicted.
-void Contest::note_points(const PreparedScan& scan, const Pose& predicted) {
-  if (patches_.empty()) patch_ = Odometer::patch(scan);
-  patch_of_point_.clear();
+/// Adds the scan, in the patches where the robot is predicted. `anew`: to nothing; a place that fits for the
+/// first time was not looked for well enough before.
+void Contest::note_explained(const PreparedScan& scan, const Pose& predicted, bool anew) {
+  if (anew) {
+    patches_.clear();
+    points_.clear();
+    for (Place& place : places_) place.patches.clear();
+    patch_ = Odometer::patch(scan);
+  }
   for (std::size_t i = 0; i < scan.source.size(); ++i) {
     const Eigen::Vector3d p = predicted * scan.source.point(i).cast<double>() / patch_;
     const std::array<int, 3> cell = {static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())),
                                      static_cast<int>(std::floor(p.z()))};
-    patch_of_point_.push_back(patches_.emplace(cell, patches_.size()).first->second);
+    const std::size_t k = patches_.emplace(cell, patches_.size()).first->second;
     points_.resize(patches_.size());
-    ++points_[patch_of_point_.back()];
+    ++points_[k];
+    for (Place& place : places_) {
+      place.patches.resize(patches_.size());
+      // Of a part of the scan, which a probe looks at first, nothing is explained.
+      const float explained =
+          place.explained_points.size() == scan.source.size() ? place.explained_points[i] : 0;
+      place.patches[k].explained += static_cast<double>(explained);
+      place.patches[k].known += explained > 0 ? 1 : 0;
+    }
   }
-  for (Place& place : places_) place.patches.resize(points_.size());
 }
 
 void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
@@ -132,22 +144,15 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   };
   place.attempt = odometer.align(scan, prior, Reach::kNear);
-  std::vector<float> explained = odometer.explained();
+  place.explained_points = odometer.explained();
   if (place.is_due() && !fits(place.attempt) && *far_looks > 0) {
     --*far_looks;
     place.looked_far = true;
     Attempt far = odometer.probe(scan, prior, Reach::kFar);
     if (far.cost() < place.attempt.cost()) {
       place.attempt = std::move(far);
-      explained = odometer.explained();
+      place.explained_points = odometer.explained();
     }
-  }
-  // Of a part of the scan, which a probe looked at first, nothing is explained.
-  explained.resize(explained.size() == patch_of_point_.size() ? explained.size() : 0);
-  for (std::size_t i = 0; i < explained.size(); ++i) {
-    Place::Patch& patch = place.patches[patch_of_point_[i]];
-    patch.explained += static_cast<double>(explained[i]);
-    patch.known += explained[i] > 0 ? 1 : 0;
   }
   place.could_win = place.attempt.health.share >= place.winners_share * usual(place.attempt);
   place.fits = fits(place.attempt);
@@ -164,8 +169,13 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
   const bool led = wins_ > 0;
   odometer.take_usual_from(excursion.odometer());
   int far_looks = kFarLooks;
-  note_points(scan, excursion.state().pose);
-  for (Place& place : places_) try_place(odometer, scan, excursion, &far_looks, place);
+  bool anew = patches_.empty();
+  for (Place& place : places_) {
+    const bool tried = place.tried;
+    try_place(odometer, scan, excursion, &far_looks, place);
+    anew = anew || (place.tried && !tried);
+  }
+  note_explained(scan, excursion.state().pose, anew);
   std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
     return a.fits != b.fits ? a.fits : a.explained() > b.explained();
   });

@@ -55,8 +55,9 @@ class Contest {
     bool tried = false;       ///< it has fitted
     bool looked_far = false;  ///< or was looked for farther off
     Attempt attempt;
+    std::vector<float> explained_points;  ///< of the last scan, see Odometer::explained()
     struct Patch {
-      double explained = 0, known = 0;  ///< points of all scans; the latter met any surface
+      double explained = 0, known = 0;  ///< points of the scans; the latter met any surface
     };
     std::vector<Patch> patches;
     double explained() const;                              ///< points of all patches
@@ -64,16 +65,15 @@ class Contest {
   };
   void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion, int* far_looks,
                  Place& place) const;
-  void note_points(const PreparedScan& scan, const Pose& predicted);
+  void note_explained(const PreparedScan& scan, const Pose& predicted, bool anew);
   bool is_worse(const Place& place, const Place& leader) const;
   void drop_losers(const Pose& predicted);
 
   std::vector<Place> places_;  ///< never empty; the leader first
   /// Cubes of the predicted frame, by their indices: the points of one share what is wrong with them.
   std::map<std::array<int, 3>, std::size_t> patches_;
-  std::vector<double> points_;               ///< of all scans, in each patch
-  double patch_ = 0;                         ///< metres, their edge
-  std::vector<std::size_t> patch_of_point_;  ///< of the last scan
+  std::vector<double> points_;  ///< in each patch, of the scans since all places were looked for well
+  double patch_ = 0;            ///< metres, their edge
   int wins_ = 0, scans_ = 0;
   bool expected_ = false;
 };
