@@ -56,7 +56,7 @@ std::vector<std::uint32_t> spread_keypoints(const PointCloud& cloud, float radiu
 Descriptors with_level_columns(const CloudDescription& description, const Descriptors& histograms) {
   const PointCloud& cloud = description.points;
   const float voxel = static_cast<float>(description.voxel);
-  const std::vector<float> heights = heights_above_ground(cloud, 4 * voxel);
+  const std::vector<float> heights = heights_above_ground(cloud, kGroundCell * voxel);
   Descriptors result(histograms.rows(), histograms.cols() + 2);
   result.leftCols(histograms.cols()) = histograms;
   for (Eigen::Index row = 0; row < histograms.rows(); ++row) {

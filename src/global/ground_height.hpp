@@ -9,6 +9,9 @@
 
 namespace scanlock {
 
+/// Voxels: the cells in which ground is looked for, of a cloud thinned by that voxel.
+inline constexpr float kGroundCell = 4;
+
 /// Each point's height above the lowest point in the square of nine `cell`s (metres) about it, in a levelled
 /// cloud. Unlike z it does not depend on where the origin is. Points are finite.
 std::vector<float> heights_above_ground(const PointCloud& cloud, float cell);

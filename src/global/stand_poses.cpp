@@ -24,7 +24,6 @@ constexpr std::size_t kMostTurns = 8;
 // apart.
 constexpr std::size_t kMostOfEyes = 40000, kMostOfGround = 360000;
 constexpr double kWiderStep = 1.1;  // at least
-constexpr double kGroundCell = 4;   // voxels
 
 using Headings = std::array<double, kHeadings>;
 
@@ -152,7 +151,7 @@ StandPoses stand_poses(const PointCloud& source, const PointCloud& target, const
   if (poses.attitudes.empty()) return poses;
   const auto by_eyes = [&](double step) { return places_of_eyes(target, step); };
   add_at_most(kMostOfEyes / poses.attitudes.size(), kStep * voxel, by_eyes, &poses.places);
-  const auto height = height_above_ground(source, static_cast<float>(kGroundCell * voxel));
+  const auto height = height_above_ground(source, kGroundCell * static_cast<float>(voxel));
   if (!height) return poses;
   const auto by_ground = [&](double step) { return places_above_ground(target, space, *height, step); };
   add_at_most(kMostOfGround / poses.attitudes.size(), kStep * voxel, by_ground, &poses.places);

@@ -9,6 +9,7 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/linear.hpp"
+#include "geometry/voxel_grid.hpp"
 #include "odometry/tracking_promise.hpp"
 
 namespace scanlock {
@@ -107,10 +108,10 @@ void Contest::note_explained(const PreparedScan& scan, const Pose& predicted, bo
     patch_ = Odometer::patch(scan);
   }
   for (std::size_t i = 0; i < scan.source.size(); ++i) {
-    const Eigen::Vector3d p = predicted * scan.source.point(i).cast<double>() / patch_;
-    const std::array<int, 3> cell = {static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())),
-                                     static_cast<int>(std::floor(p.z()))};
-    const std::size_t k = patches_.emplace(cell, patches_.size()).first->second;
+    const Eigen::Array3i cell =
+        (predicted * scan.source.point(i).cast<double>() / patch_).array().floor().cast<int>();
+    const std::size_t k =
+        patches_.emplace(morton_key(cell.x(), cell.y(), cell.z()), patches_.size()).first->second;
     points_.resize(patches_.size());
     ++points_[k];
     for (Place& place : places_) {
@@ -185,8 +186,8 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
     wins_ = 0;
     return leader.missed > kMissesAllowed ? Outcome::kRefuted : Outcome::kOpen;
   }
-  const bool clear = std::all_of(places_.begin() + 1, places_.end(),
-                                 [&](const Place& other) { return !other.fits || is_worse(other, leader); });
+  // Who is clearly worse is out already.
+  const bool clear = std::none_of(places_.begin() + 1, places_.end(), [](const Place& p) { return p.fits; });
   if (clear && !expected_ && is_open(leader.attempt)) return Outcome::kUndecided;
   const bool same =
       !led || same_place(led_by, leader.map_from_predicted, excursion.state().pose, 1.0, 6.0 * kDegree);
@@ -207,7 +208,7 @@ std::vector<Pose> Contest::places() const {
   return result;
 }
 
-/// Who has missed too often, is far behind, or has come to stand where a better one is.
+/// Who has missed too often, is clearly worse, or has come to stand where a better one is.
 void Contest::drop_losers(const Pose& predicted) {
   std::vector<Place> left;
   for (Place& place : places_) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -70,8 +69,8 @@ class Contest {
   void drop_losers(const Pose& predicted);
 
   std::vector<Place> places_;  ///< never empty; the leader first
-  /// Cubes of the predicted frame, by their indices: the points of one share what is wrong with them.
-  std::map<std::array<int, 3>, std::size_t> patches_;
+  /// Cubes of the predicted frame, by their Morton keys: the points of one share what is wrong with them.
+  std::map<std::uint64_t, std::size_t> patches_;
   std::vector<double> points_;  ///< in each patch, of the scans since all places were looked for well
   double patch_ = 0;            ///< metres, their edge
   int wins_ = 0, scans_ = 0;
