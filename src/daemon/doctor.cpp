@@ -28,7 +28,8 @@ using Grade = Finding::Grade;
 
 constexpr int kEchoBytes = 2000000;  // a scan of 125,000 points at 16 bytes
 constexpr int kEchoes = 5;
-constexpr std::chrono::milliseconds kEchoPeriod{100}, kEchoPatience{500}, kListen{2000};
+constexpr std::chrono::milliseconds kEchoPeriod{100}, kListen{2000};
+constexpr std::chrono::milliseconds kEchoPatience{3000};  // a busy machine hears late, and has lost nothing
 constexpr std::size_t kMaxHeard = 100;
 
 /// Hears everything that is said, and counts the echoes of our own.

@@ -186,6 +186,7 @@ TEST_CASE("the doctor finds nothing wrong where multicast works") {
   const TemporaryFolder folder;
   const Publisher publisher(network.url(), "LIDAR");
   const Result result = run(folder, {"scanlockd", "--check", "--json", "-l", network.url()});
+  INFO(result.output);
   CHECK(result.code == 0);
   const auto json = nlohmann::json::parse(result.output);
   CHECK(json["ok"] == true);
