@@ -149,8 +149,8 @@ Matches match(const CloudDescription& source, const CloudDescription& target, in
     return Eigen::Vector3d(d.points.point(d.keypoints[row]).cast<double>());
   };
   if (source.keypoints.empty() || target.keypoints.empty()) return matches;
-  for (const auto& [s, t] : mutual_nearest(source.descriptors, target.descriptors, lambda))
-    matches.push_back({point(source, s), point(target, t)});
+  for (const MutualPair& pair : mutual_nearest(source.descriptors, target.descriptors, lambda))
+    matches.push_back({point(source, pair.a), point(target, pair.b)});
   return matches;
 }
 
@@ -158,10 +158,11 @@ std::vector<SurfaceMatch> match_surfaces(const CloudDescription& source, const C
                                          int lambda) {
   std::vector<SurfaceMatch> matches;
   if (source.keypoints.empty() || target.keypoints.empty()) return matches;
-  for (const auto& [s, t] : mutual_nearest(source.descriptors, target.descriptors, lambda)) {
-    const std::uint32_t i = source.keypoints[s], j = target.keypoints[t];
+  for (const MutualPair& pair : mutual_nearest(source.descriptors, target.descriptors, lambda)) {
+    const std::uint32_t i = source.keypoints[pair.a], j = target.keypoints[pair.b];
     matches.push_back({source.points.point(i).cast<double>(), target.points.point(j).cast<double>(),
-                       source.points.normal(i).cast<double>(), target.points.normal(j).cast<double>()});
+                       source.points.normal(i).cast<double>(), target.points.normal(j).cast<double>(),
+                       pair.rank});
   }
   return matches;
 }

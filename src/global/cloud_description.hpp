@@ -55,7 +55,7 @@ CloudDescription describe(const PointCloud& cloud, const DescriptionOptions& opt
 
 /// Candidate correspondences: keypoints each among the `lambda` nearest of the other by descriptor.
 Matches match(const CloudDescription& source, const CloudDescription& target, int lambda = 4);
-/// The same with the normals there.
+/// The same with the normals there, and their rank.
 std::vector<SurfaceMatch> match_surfaces(const CloudDescription& source, const CloudDescription& target,
                                          int lambda);
 

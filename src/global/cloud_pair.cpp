@@ -16,7 +16,6 @@
 namespace scanlock {
 namespace {
 
-constexpr int kGuidedLambda = 10;
 constexpr double kHopeless = 0.5;                 // contradiction, before the refinement
 constexpr double kCrowd = 0.35, kCrowdReach = 2;  // of epsilon; of the scale then
 constexpr int kCrowdRounds = 8;
@@ -27,8 +26,8 @@ constexpr std::size_t kRefinedPoints = 2000;
 }  // namespace
 
 CloudPair::CloudPair(const CloudDescription& source, const CloudDescription& target, double epsilon,
-                     bool judged)
-    : source_(source), target_(target), epsilon_(epsilon), judged_(judged) {
+                     bool judged, const CloudCheck* target_check)
+    : source_(source), target_(target), epsilon_(epsilon), judged_(judged), target_check_(target_check) {
   for (std::size_t i = 0; i < source.points.size(); ++i) centre_ += source.points.point(i).cast<double>();
   if (!source.points.empty()) centre_ /= static_cast<double>(source.points.size());
 }
@@ -40,8 +39,17 @@ double CloudPair::separation(const Pose& a, const Pose& b) const {
 /// Of all keypoints, too ambiguous to search with. Once a pose is known, it tells the right ones: those that
 /// agree with it.
 const std::vector<SurfaceMatch>& CloudPair::all_matches() {
-  if (matches_.empty()) matches_ = match_surfaces(source_, target_, kGuidedLambda);
+  if (matches_.empty()) matches_ = match_surfaces(source_, target_, kMostMatches);
   return matches_;
+}
+
+Matches CloudPair::matches(int lambda) {
+  CpuClock clock;
+  Matches result;
+  for (const SurfaceMatch& m : all_matches())
+    if (m.rank <= lambda) result.push_back({m.p, m.q});
+  matching_ms_ += clock.lap();
+  return result;
 }
 
 /// The pose that all matches near it crowd about. They count less the farther off they are (Welsch's
@@ -113,7 +121,7 @@ std::vector<Pose> CloudPair::likely_poses(const std::vector<Eigen::Vector3d>& up
 
 void CloudPair::index_clouds() {
   if (!source_check_) source_check_.emplace(source_.points, source_.voxel);
-  if (!target_check_) target_check_.emplace(target_.points, target_.voxel);
+  if (!target_check_) target_check_ = &own_target_check_.emplace(target_.points, target_.voxel);
 }
 
 CloudFit CloudPair::fit(const Pose& pose) const {

@@ -16,13 +16,20 @@
 
 namespace scanlock {
 
+/// The paper's lambda: of a keypoint so many matches are looked at.
+inline constexpr int kMostMatches = 10;
+
 /// Two described clouds, and what they say of a pose between them. All that this takes is made ready once,
 /// when it is first needed.
 class CloudPair {
  public:
   /// The clouds must outlive this object. `epsilon`: metres, of a match that agrees. `judged`: the clouds
-  /// decide, see CloudRegistrationOptions.
-  CloudPair(const CloudDescription& source, const CloudDescription& target, double epsilon, bool judged);
+  /// decide, see CloudRegistrationOptions. `target_check`: see register_clouds().
+  CloudPair(const CloudDescription& source, const CloudDescription& target, double epsilon, bool judged,
+            const CloudCheck* target_check);
+
+  /// What match() makes of the descriptions; `lambda`: kMostMatches at most.
+  Matches matches(int lambda);
 
   /// A pose made precise, first with all matches, then with the clouds, and the clouds compared. One that
   /// they contradict from the start is not refined, unless it is the `first`.
@@ -59,7 +66,8 @@ class CloudPair {
   std::vector<SurfaceMatch> matches_;
   std::optional<CloudTarget> index_;
   PointCloud some_of_source_;  // for refinements, unless judged
-  std::optional<CloudCheck> source_check_, target_check_;
+  std::optional<CloudCheck> source_check_, own_target_check_;
+  const CloudCheck* target_check_;  // null until it is needed
   double matching_ms_ = 0, refinement_ms_ = 0;
 };
 

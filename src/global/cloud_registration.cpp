@@ -31,7 +31,6 @@ constexpr double kSpread = 0.08;          // radians between attitudes that make
 constexpr double kPeeled = 2;             // epsilons
 constexpr double kOutOfQuestion = 0.4;    // of the score: so much behind the best proposal
 constexpr double kFarAhead = 1.6;         // consensus over what the runner-up may have
-constexpr int kManyLambda = 10;           // the paper's: of sparse clouds hardly any matches are right
 constexpr double kImpossible = 0.03;      // contradiction: right poses hardly ever have more than 0.01
 constexpr std::size_t kManyKeypoints = 300;
 
@@ -60,12 +59,12 @@ bool is_good(const Hypothesis& hypothesis) {
 class Registrar {
  public:
   Registrar(const CloudDescription& source, const CloudDescription& target,
-            const CloudRegistrationOptions& options)
+            const CloudRegistrationOptions& options, const CloudCheck* target_check)
       : source_(source),
         target_(target),
         options_(options),
         epsilon_(options.epsilon > 0 ? options.epsilon : kEpsilonOfVoxel * source.voxel),
-        clouds_(source, target, epsilon_, options.judged) {}
+        clouds_(source, target, epsilon_, options.judged, target_check) {}
 
   CloudRegistration run();
 
@@ -245,12 +244,12 @@ void Registrar::judge() {
 
 /// The poses that matches and clouds propose and the clouds do not rule out, the likeliest first.
 CloudRegistration Registrar::propose() {
-  Matches matches = match(source_, target_, options_.lambda);
+  Matches matches = clouds_.matches(options_.lambda);
   result_.solution = search(matches, true);
   account(result_.solution);
   result_.attempts = 1;
   if (result_.solution.consensus < kFewestMatches) {
-    matches = match(source_, target_, kManyLambda);
+    matches = clouds_.matches(kMostMatches);  // of sparse clouds hardly any are right
     result_.solution = search(matches, true);
     account(result_.solution);
     result_.attempts = 2;
@@ -359,7 +358,7 @@ const char* verdict_name(GlobalVerdict verdict) {
 }
 
 CloudRegistration register_clouds(const CloudDescription& source, const CloudDescription& target,
-                                  const CloudRegistrationOptions& options) {
+                                  const CloudRegistrationOptions& options, const CloudCheck* target_check) {
   if (source.voxel > 0 && target.voxel > 0 && source.voxel != target.voxel)
     throw std::invalid_argument("register_clouds: the descriptions have different voxels");
   if (source.keypoints.empty() || target.keypoints.empty()) {
@@ -369,7 +368,7 @@ CloudRegistration register_clouds(const CloudDescription& source, const CloudDes
                   " has nothing that could be recognised";
     return nothing;
   }
-  return Registrar(source, target, options).run();
+  return Registrar(source, target, options, target_check).run();
 }
 
 }  // namespace scanlock

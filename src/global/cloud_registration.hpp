@@ -68,9 +68,11 @@ struct CloudRegistration {
 /// refinement with the clouds, and what the clouds say about it. When they do not confirm it, matches are
 /// drawn again, from more keypoints, and third from a wider look (which costs, and seldom helps).
 /// Descriptions have the same voxel and options, and throw std::invalid_argument when not. Deterministic,
-/// unless budget_s ends a search.
+/// unless budget_s ends a search. `target_check`: of the target's points, where there is one already; it has
+/// to outlive the call.
 CloudRegistration register_clouds(const CloudDescription& source, const CloudDescription& target,
-                                  const CloudRegistrationOptions& options = {});
+                                  const CloudRegistrationOptions& options = {},
+                                  const CloudCheck* target_check = nullptr);
 
 /// describe() of a cloud as it comes, in a frame whose origin is where its sensor stood, levelled by the
 /// direction `up` in it (any length but 0; else throws std::invalid_argument).

@@ -32,9 +32,6 @@ class Nearest {
     if (entries_.size() == capacity) bound_ = entries_.back().distance;
   }
   float bound() const { return bound_; }
-  bool holds(std::uint32_t row) const {
-    return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.row == row; });
-  }
   const std::vector<Entry>& entries() const { return entries_; }
 
  private:
@@ -69,11 +66,10 @@ void multiply(const float* a, Eigen::Index rows, const Descriptors& b, Descripto
 
 }  // namespace
 
-std::vector<std::pair<std::uint32_t, std::uint32_t>> mutual_nearest(const Descriptors& a,
-                                                                    const Descriptors& b, int lambda) {
+std::vector<MutualPair> mutual_nearest(const Descriptors& a, const Descriptors& b, int lambda) {
   if (a.cols() != b.cols()) throw std::invalid_argument("mutual_nearest: descriptors of different lengths");
   const std::size_t capacity = static_cast<std::size_t>(std::max(lambda, 0));
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  std::vector<MutualPair> pairs;
   if (capacity == 0 || a.rows() == 0 || b.rows() == 0) return pairs;
   std::vector<Nearest> of_a(static_cast<std::size_t>(a.rows())), of_b(static_cast<std::size_t>(b.rows()));
   // About a common mean, so that |a|^2 + |b|^2 - 2 a.b cancels less.
@@ -108,11 +104,19 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> mutual_nearest(const Descri
     }
   }
   for (std::uint32_t i = 0; i < of_a.size(); ++i) {
-    for (const Nearest::Entry& entry : of_a[i].entries()) {
-      if (of_b[entry.row].holds(i)) pairs.emplace_back(i, entry.row);
+    int rank = 0;
+    for (const Nearest::Entry& mine : of_a[i].entries()) {
+      ++rank;
+      int other_rank = 0;
+      for (const Nearest::Entry& other : of_b[mine.row].entries()) {
+        ++other_rank;
+        if (other.row == i) pairs.push_back({i, mine.row, std::max(rank, other_rank)});
+      }
     }
   }
-  std::sort(pairs.begin(), pairs.end());
+  std::sort(pairs.begin(), pairs.end(), [](const MutualPair& left, const MutualPair& right) {
+    return left.a != right.a ? left.a < right.a : left.b < right.b;
+  });
   return pairs;
 }
 

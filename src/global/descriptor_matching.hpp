@@ -3,17 +3,21 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "global/fpfh.hpp"
 
 namespace scanlock {
 
-/// The pairs (row of a, row of b) whose descriptors are each among the `lambda` nearest of the other, in
-/// ascending order (section 6.1). Exact but for float rounding; ties go to the smaller row. a and b have as
-/// many columns; descriptors are finite.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> mutual_nearest(const Descriptors& a,
-                                                                    const Descriptors& b, int lambda);
+/// A row of one matrix of descriptors and a row of another, each among the `rank` nearest of the other, and
+/// not both among fewer.
+struct MutualPair {
+  std::uint32_t a = 0, b = 0;
+  int rank = 0;
+};
+
+/// The pairs of rank `lambda` at most, ascending by a, then b (section 6.1). Exact but for float rounding;
+/// ties go to the smaller row. Both have as many columns; descriptors are finite.
+std::vector<MutualPair> mutual_nearest(const Descriptors& a, const Descriptors& b, int lambda);
 
 }  // namespace scanlock

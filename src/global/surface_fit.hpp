@@ -12,10 +12,11 @@ namespace scanlock {
 /// Cosine between the unit normals of two points from which on they may be of one surface.
 inline constexpr double kSameWay = 0.7;
 
-/// A candidate correspondence between surfaces: source point p and target point q, metres, and the unit
-/// normals there, either way round.
+/// A candidate correspondence between surfaces: source point p and target point q, metres, the unit normals
+/// there, either way round, and how near their descriptors are, see MutualPair.
 struct SurfaceMatch {
   Eigen::Vector3d p, q, normal_p, normal_q;
+  int rank = 1;
 };
 
 /// The pose near `pose` at which the surfaces of the matches meet, reached by turns about the target's axis

@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -171,14 +172,17 @@ TEST_CASE("mutual nearest descriptors are those of a search through all pairs") 
       nearer += (from.row(i) - to.row(k)).cast<double>().squaredNorm() < mine;
     return nearer;
   };
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> expected;
+  std::vector<std::array<int, 3>> expected, found;
   for (Eigen::Index i = 0; i < a.rows(); ++i) {
     for (Eigen::Index j = 0; j < b.rows(); ++j) {
-      if (rank(a, i, b, j) < 7 && rank(b, j, a, i) < 7) expected.emplace_back(i, j);
+      const int most = 1 + std::max(rank(a, i, b, j), rank(b, j, a, i));
+      if (most <= 7) expected.push_back({static_cast<int>(i), static_cast<int>(j), most});
     }
   }
   CHECK(expected.size() > 20);
-  CHECK(mutual_nearest(a, b, 7) == expected);
+  for (const MutualPair& pair : mutual_nearest(a, b, 7))
+    found.push_back({static_cast<int>(pair.a), static_cast<int>(pair.b), pair.rank});
+  CHECK(found == expected);
   CHECK(mutual_nearest(a, b, 0).empty());
   CHECK(mutual_nearest(a, Descriptors(0, 33), 7).empty());
   CHECK_THROWS_AS(mutual_nearest(a, Descriptors(3, 32), 7), std::invalid_argument);
