@@ -38,7 +38,7 @@ void BackgroundSearch::start(MapRequest request) {
     const std::lock_guard<std::mutex> lock(mutex_);
     request_ = std::move(request);
   }
-  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
+  if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
   wake_.notify_one();
 }
 
@@ -48,7 +48,7 @@ std::optional<MapAnswer> BackgroundSearch::poll() {
   return std::exchange(answer_, std::nullopt);
 }
 
-void BackgroundSearch::work() {
+void BackgroundSearch::run() {
   step_back();
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {

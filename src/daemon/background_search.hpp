@@ -26,11 +26,13 @@ class BackgroundSearch {
 
   /// Not while one is under way.
   void start(MapRequest request);
+  /// The same, and waits for the answer, in the caller's thread.
+  MapAnswer work(const MapRequest& request) { return worker_.work(request); }
   /// The answer, once. Throws what the search threw: out of memory, at most.
   std::optional<MapAnswer> poll();
 
  private:
-  void work();
+  void run();
 
   const bool at_once_;
   MapWorker worker_;  ///< the searching thread's own

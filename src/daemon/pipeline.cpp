@@ -42,6 +42,7 @@ Pipeline::Pipeline(const Config& config, Statistics& statistics, Mode mode)
       judge_(body_from_sensor_),
       search_(config.tracker, mode == Mode::kReplay) {
   if (auto loaded = maps_.load_at_start()) mapper_.load(std::move(loaded->map), loaded->fixed);
+  while (auto request = mapper_.take_request()) mapper_.give(search_.work(*request));
 }
 
 FinishedScan Pipeline::process(const ReceivedScan& received) {

@@ -20,6 +20,10 @@ constexpr double kJumpMetres = 0.05, kJumpRadians = 0.5 * kDegree;  // more is t
 
 MapAnswer MapWorker::work(const MapRequest& request) {
   if (const auto* recovery = std::get_if<RecoveryRequest>(&request)) return finder_.find(*recovery);
+  if (const auto* target = std::get_if<SearchTarget>(&request)) {
+    finder_.prepare(*target);
+    return {};
+  }
   if (const auto* join = std::get_if<JoinRequest>(&request)) return join_submaps(*join, finder_, config_);
   return close_loop(std::get<ClosureRequest>(request), config_);
 }
@@ -124,6 +128,9 @@ std::optional<MapRequest> Mapper::take_request() {
   std::optional<MapRequest> request;
   if (auto recovery = tracker_.take_request()) {
     request = std::move(*recovery);
+  } else if (!unprepared_.empty() && !located_) {
+    request = std::move(unprepared_.back());
+    unprepared_.pop_back();
   } else if (auto closure = closure_request()) {
     request = std::move(*closure);
   } else if (auto join = join_request()) {
@@ -228,7 +235,7 @@ void Mapper::give(MapAnswer answer) {
     return;
   }
   if (const auto* closure = std::get_if<ClosureAnswer>(&answer)) return take_closure(*closure);
-  take_join(std::get<JoinAnswer>(answer));
+  if (const auto* join = std::get_if<JoinAnswer>(&answer)) take_join(*join);
 }
 
 void Mapper::take_closure(const ClosureAnswer& answer) {
@@ -359,6 +366,7 @@ void Mapper::reset() {
   located_ = true;
   forget_revisits();
   correction_.reset();
+  unprepared_.clear();
   open_.reset();
 }
 
@@ -378,6 +386,7 @@ void Mapper::load(SavedMap saved, bool fixed) {
     tracker_.load(std::move(saved), fixed);
     if (fixed) known_ = keyframes + 1;
     follow_archive();
+    prepare_searches();
     return;
   }
   std::vector<Submap> submaps = submaps_of(saved);
@@ -395,6 +404,12 @@ void Mapper::load(SavedMap saved, bool fixed) {
   others_ = std::move(submaps);
   known_ = keyframes + 1;
   drop_evicted();
+  prepare_searches();
+}
+
+void Mapper::prepare_searches() {
+  unprepared_ = PlaceSearch::first_targets(tracker_.archive());
+  std::reverse(unprepared_.begin(), unprepared_.end());
 }
 
 }  // namespace scanlock

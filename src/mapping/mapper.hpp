@@ -19,10 +19,11 @@
 
 namespace scanlock {
 
-/// Work that need not be done before the next scan: a search for the robot's place, a loop closure, or a
-/// search for the active submap's place among others.
-using MapRequest = std::variant<RecoveryRequest, ClosureRequest, JoinRequest>;
-using MapAnswer = std::variant<RecoveryAnswer, ClosureAnswer, JoinAnswer>;
+/// Work that need not be done before the next scan: a search for the robot's place, a target of such searches
+/// described ahead, a loop closure, or a search for the active submap's place among others.
+using MapRequest = std::variant<RecoveryRequest, SearchTarget, ClosureRequest, JoinRequest>;
+/// Of a target that was described there is nothing to tell.
+using MapAnswer = std::variant<std::monostate, RecoveryAnswer, ClosureAnswer, JoinAnswer>;
 
 /// Does that work; deterministic.
 class MapWorker {
@@ -49,7 +50,8 @@ class Mapper {
 
   TrackedScan track(const Scan& scan, const ScanPrior& prior = {});
 
-  /// The work that it would like to have done now, if any: see Tracker. One is out at a time.
+  /// The work that it would like to have done now, if any: see Tracker. One is out at a time. After load()
+  /// the targets of the searches to come: done before the first scan, they make these faster.
   std::optional<MapRequest> take_request();
   void give(MapAnswer answer);
 
@@ -86,6 +88,7 @@ class Mapper {
       static_cast<std::uint32_t>(1 / kPlaceSpacing);  ///< keyframes of one reach of way
   static constexpr double kAnyClosure = 1e12;         ///< before there was one, each is worth its cost
   std::uint32_t stamp();
+  void prepare_searches();
   void begin_submap();
   void return_to_submap(TrackedScan* tracked);
   void enter(std::size_t other);
@@ -106,11 +109,12 @@ class Mapper {
   Matrix6 seen_from_robot(std::uint32_t keyframe, const Matrix6& covariance) const;
 
   Tracker tracker_;
-  Submap active_;               ///< where the robot is; where its frame lies the tracker knows
-  std::vector<Submap> others_;  ///< in no order
-  std::uint32_t submap_ = 0;    ///< as the tracker counts
-  bool located_ = true;         ///< false: a map was loaded, and the robot has not been found in it so far
-  JoinSearch joins_;            ///< of the active submap with the others
+  Submap active_;                         ///< where the robot is; where its frame lies the tracker knows
+  std::vector<Submap> others_;            ///< in no order
+  std::uint32_t submap_ = 0;              ///< as the tracker counts
+  std::vector<SearchTarget> unprepared_;  ///< the next one comes last
+  bool located_ = true;  ///< false: a map was loaded, and the robot has not been found in it so far
+  JoinSearch joins_;     ///< of the active submap with the others
   std::optional<PoseHistory> history_;
   struct Open {
     std::uint32_t stamp = 0;

@@ -12,7 +12,7 @@ namespace {
 /// How far a search of that resolution may be off.
 Matrix6 resolution(const RecoveryRequest& search, double reach) {
   Vector6 sigma;
-  sigma << Eigen::Vector3d::Constant(search.voxel), Eigen::Vector3d::Constant(search.voxel / reach);
+  sigma << Eigen::Vector3d::Constant(search.target.voxel), Eigen::Vector3d::Constant(search.target.voxel / reach);
   return sigma.cwiseAbs2().asDiagonal();
 }
 
@@ -30,7 +30,7 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
   ClosureRequest closure = request.closure;
   const Pose expected = renormalised(answer.search.map_from_predicted * closure.keyframe.map_from_body);
   const auto reach = static_cast<double>(closure.keyframe.reach);
-  closure.earlier = nearest_to(expected.translation(), reach, request.search.places,
+  closure.earlier = nearest_to(expected.translation(), reach, request.search.target.places,
                                [](const ArchivedKeyframe&) { return true; });
   if (closure.earlier.empty()) return answer;
   const ArchivedKeyframe& nearest = closure.earlier.front();

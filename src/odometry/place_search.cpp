@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "geometry/elementary.hpp"
 
@@ -27,14 +28,85 @@ constexpr std::size_t kManyStands = 4;
 constexpr double kTilt = 0.01, kRoughTilt = 0.025;  // radians
 constexpr double kOffset = 20.0;  // metres: how far from the anchor, or from the middle of a narrow part
 
-/// So many steps from a size, metres; of sizes that are about the same it is the same, so that parts of the
-/// map are described once.
+/// So many steps from a size, metres; of sizes that are about the same it is the same.
 double scale(double size, int steps) {
   const double step = log(kStep);
   return exp(step * (std::round(log(size) / step) + steps));
 }
 
+/// Metres: the radius of what is looked for on the widest scale.
+double widest_source(double scene) {
+  return kSourceReach * scale(scene, kScales.back());
+}
+
+/// Of a wide part, on one of the scales; without its centre, up and places.
+SearchTarget target_of(double scene, int steps) {
+  SearchTarget target;
+  target.source_radius = kSourceReach * scale(scene, steps);
+  target.radius = kWidestPart * widest_source(scene);
+  target.voxel = kVoxel * scale(scene, steps);
+  return target;
+}
+
+/// The mean reach, metres, over the ground that keyframes within `radius` metres of `centre` show: where they
+/// reach less they are more.
+double scene_of_part(const KeyframeArchive& archive, const Eigen::Vector3d& centre, double radius) {
+  double sum = 0, weights = 0;
+  for (const ArchivedKeyframe& k : archive.keyframes()) {
+    if ((k.map_from_body.translation() - centre).norm() > radius) continue;
+    const auto reach = static_cast<double>(k.reach);
+    sum += reach * reach * reach;
+    weights += reach * reach;
+  }
+  return weights > 0 ? sum / weights : 0;
+}
+
 }  // namespace
+
+/// Around keyframes, so that each is in one: those first that look most like `seen`, where that is given,
+/// then those next to the anchor. Around the anchor there is none.
+std::vector<PlaceSearch::Part> PlaceSearch::parts_of(const KeyframeArchive& archive, bool wide,
+                                                     const std::optional<Eigen::Vector3d>& anchor,
+                                                     const PlaceSignature* seen) {
+  constexpr double kAnywhere = std::numeric_limits<double>::infinity();
+  const auto reach_at = [&](double scene) {
+    return wide ? (kWidestPart - 1) * widest_source(scene) : kOffset;
+  };
+  const double usual_reach = reach_at(scene_of_part(archive, Eigen::Vector3d::Zero(), kAnywhere));
+  std::vector<Part> parts;
+  // The parts stay where they are while the map does, so that they are described once.
+  for (const ArchivedKeyframe& k : archive.keyframes()) {
+    const Eigen::Vector3d& place = k.map_from_body.translation();
+    if (anchor && (place - *anchor).norm() < 0.7 * kOffset) continue;
+    const double likeness = seen ? seen->similarity(*k.signature) : 0;
+    bool covered = false;
+    for (Part& part : parts) {
+      if ((place - part.centre).norm() >= reach_at(part.scene)) continue;
+      covered = true;
+      part.likeness = std::max(part.likeness, likeness);
+    }
+    if (!covered) parts.push_back({place, scene_of_part(archive, place, usual_reach), likeness});
+  }
+  const auto away = [&](const Part& part) { return anchor ? (part.centre - *anchor).norm() : 0.0; };
+  std::stable_sort(parts.begin(), parts.end(), [&](const Part& a, const Part& b) {
+    return a.likeness != b.likeness ? a.likeness > b.likeness : away(a) < away(b);
+  });
+  return parts;
+}
+
+std::vector<SearchTarget> PlaceSearch::first_targets(const KeyframeArchive& archive) {
+  std::vector<SearchTarget> targets;
+  const std::vector<Part> parts = parts_of(archive, true, std::nullopt, nullptr);
+  if (parts.size() * kScales.size() > PlaceFinder::kTargets) return targets;
+  for (const int steps : kScales) {
+    for (const Part& part : parts) {
+      targets.push_back(target_of(part.scene, steps));
+      targets.back().centre = part.centre;
+      targets.back().places = archive.keyframes();
+    }
+  }
+  return targets;
+}
 
 void PlaceSearch::begin(const std::optional<Eigen::Vector3d>& anchor) {
   anchor_ = anchor;
@@ -56,37 +128,34 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   RecoveryRequest request;
   request.serial = ++serial_;
   const Eigen::Vector3d here = seen.map_from_body.translation();
-  const double widest = kSourceReach * scale(seen.scene, kScales.back());  // source, on any scale
   request.utime = utime;
-  request.up = up.value_or(Eigen::Vector3d::UnitZ());
   request.body_up = seen.map_from_body.linear().col(2);
   if (others_.empty() || turn_ % round_ == 0) {
     const Eigen::Matrix3f level = level_rotation(request.body_up).cast<float>();
-    const double reach = wide_ ? (kWidestPart - 1) * widest : kOffset;
-    others_ =
-        other_centres(archive, PlaceSignature(seen.map.around(here, PlaceSignature::kReach), level), reach);
+    const PlaceSignature signature(seen.map.around(here, PlaceSignature::kReach), level);
+    others_ = parts_of(archive, wide_, anchor_, &signature);
   }
   const auto others = static_cast<int>(others_.size());
   round_ = anchor_ ? 2 * (1 + others) : others;
   const int turn = turn_ % round_;
   const bool at_anchor = anchor_ && (turn < 2 || turn % 2 == 1);
-  const int other = anchor_ ? turn / 2 - 1 : turn;
-  // The centre is where a sensor was, so that what it saw through is known to be empty.
-  request.target_centre = at_anchor ? archive.nearest(*anchor_).map_from_body.translation()
-                                    : others_[static_cast<std::size_t>(other)];
-  const double scene = scale(seen.scene, kScales[static_cast<std::size_t>(attempts_) % kScales.size()]);
-  request.source_radius = kSourceReach * scene;
-  request.radius = at_anchor || !wide_ ? request.source_radius + kOffset : kWidestPart * widest;
-  request.voxel = kVoxel * scene;
-  request.places = archive.keyframes();
+  const Part* part = at_anchor ? nullptr : &others_[static_cast<std::size_t>(anchor_ ? turn / 2 - 1 : turn)];
+  const bool wide = part && wide_;
+  SearchTarget& target = request.target;
+  target = target_of(wide ? part->scene : seen.scene,
+                     kScales[static_cast<std::size_t>(attempts_) % kScales.size()]);
+  if (!wide) target.radius = target.source_radius + kOffset;
+  // Where a sensor was, so that what it saw through is known to be empty.
+  target.centre = part ? part->centre : archive.nearest(*anchor_).map_from_body.translation();
+  target.up = up.value_or(Eigen::Vector3d::UnitZ());
+  target.places = archive.keyframes();
   request.source_centre = here;
-  request.source = seen.map.around(here, request.source_radius);
+  request.source = seen.map.around(here, target.source_radius);
   // A measured attitude goes for every place. Every other round does without: what accelerates measures
   // badly.
   if (up && (turn_ / round_) % 2 == 0) request.source_up = seen.up;
   if (!request.source_up)
-    request.stands =
-        stands_around(request.places, request.target_centre, request.radius - request.source_radius);
+    request.stands = stands_around(target.places, target.centre, target.radius - target.source_radius);
   rough_ = request.stands.size() > kManyStands;
   request.tilt = rough_ && careful_ ? kRoughTilt : kTilt;
   elsewhere_ = !at_anchor;
@@ -117,35 +186,6 @@ bool PlaceSearch::take(std::int64_t serial, bool found, bool little, double cost
     scans_wanted_ = std::min(scans_wanted_, scans_asked_ + kSecondLook + attempts_ / kLooksAScan);
   if (!again && (!found || (elsewhere_ && little))) ++turn_;
   return true;
-}
-
-std::vector<Eigen::Vector3d> PlaceSearch::other_centres(const KeyframeArchive& archive,
-                                                        const PlaceSignature& seen, double reach) const {
-  struct Part {
-    Eigen::Vector3d centre;
-    double likeness;
-  };
-  std::vector<Part> parts;
-  // The parts stay where they are while the map does, so that they are described once.
-  for (const ArchivedKeyframe& k : archive.keyframes()) {
-    const Eigen::Vector3d& place = k.map_from_body.translation();
-    if (anchor_ && (place - *anchor_).norm() < 0.7 * kOffset) continue;
-    const double likeness = seen.similarity(*k.signature);
-    bool covered = false;
-    for (Part& part : parts) {
-      if ((place - part.centre).norm() >= reach) continue;
-      covered = true;
-      part.likeness = std::max(part.likeness, likeness);
-    }
-    if (!covered) parts.push_back({place, likeness});
-  }
-  const auto away = [&](const Part& part) { return anchor_ ? (part.centre - *anchor_).norm() : 0.0; };
-  std::stable_sort(parts.begin(), parts.end(), [&](const Part& a, const Part& b) {
-    return a.likeness != b.likeness ? a.likeness > b.likeness : away(a) < away(b);
-  });
-  std::vector<Eigen::Vector3d> centres;
-  for (const Part& part : parts) centres.push_back(part.centre);
-  return centres;
 }
 
 }  // namespace scanlock

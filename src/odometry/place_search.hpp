@@ -25,6 +25,10 @@ class PlaceSearch {
   PlaceSearch(double cores, Parts parts)
       : cores_(cores), credit_s_(kWindow * cores), wide_(parts == Parts::kWide) {}
 
+  /// The targets of the first searches for a robot that nobody has seen in this map, in wide parts. None
+  /// where there are more than a PlaceFinder remembers.
+  static std::vector<SearchTarget> first_targets(const KeyframeArchive& archive);
+
   /// The robot was lost at `anchor` (map frame); none: nobody knows where.
   void begin(const std::optional<Eigen::Vector3d>& anchor);
   /// What it has seen so far is void: the next request waits for more, and the answer to an earlier one is
@@ -45,9 +49,14 @@ class PlaceSearch {
   bool looked_everywhere() const { return turn_ >= 2 && turn_ >= round_; }
 
  private:
-  std::vector<Eigen::Vector3d> other_centres(const KeyframeArchive& archive, const PlaceSignature& seen,
-                                             double reach) const;
-
+  /// Of the map.
+  struct Part {
+    Eigen::Vector3d centre;
+    double scene;     ///< metres, the mean reach there
+    double likeness;  ///< 0 to 1: how much it looks like what was seen
+  };
+  static std::vector<Part> parts_of(const KeyframeArchive& archive, bool wide,
+                                    const std::optional<Eigen::Vector3d>& anchor, const PlaceSignature* seen);
   bool has_credit(std::int64_t utime);
 
   static constexpr double kWindow = 60;  ///< seconds
@@ -55,7 +64,7 @@ class PlaceSearch {
   std::int64_t credited_utime_ = 0;      ///< up to when
   bool wide_;
   std::optional<Eigen::Vector3d> anchor_;
-  std::vector<Eigen::Vector3d> others_;  ///< other places, in the order in which they are looked at
+  std::vector<Part> others_;  ///< in the order in which they are looked at
   std::int64_t serial_ = 0;
   bool out_ = false, void_ = false;
   int attempts_ = 0;        ///< answered since the robot was lost

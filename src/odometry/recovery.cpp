@@ -15,7 +15,6 @@ namespace scanlock {
 namespace {
 
 constexpr double kKeypoints = 1000;  // of the source; of the target as many per area
-constexpr std::size_t kTargets = 6;  // remembered, of some megabytes each
 // In strange buildings no favourite of 358 searches had such an overlap.
 constexpr double kSoundOverlap = 0.85;
 // Of two searches with a planar sensor in strange buildings that were taken in, it was a third.
@@ -47,20 +46,29 @@ CloudDescription describe_source(const PointCloud& cloud, double voxel) {
 
 /// A part of the map made ready to be searched, and all that it depends on.
 struct PlaceFinder::Target {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double source_radius = 0, radius = 0;
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  std::vector<std::pair<std::int64_t, Pose>> places;
-  CloudDescription description;
-
-  bool is_of(const RecoveryRequest& request, double voxel) const {
+  explicit Target(const SearchTarget& wanted);
+  bool is_of(const SearchTarget& wanted) const {
     const auto same = [](const auto& place, const ArchivedKeyframe& k) {
       return place.first == k.utime && place.second.matrix() == k.map_from_body.matrix();
     };
-    return centre == request.target_centre && source_radius == request.source_radius &&
-           radius == request.radius && description.voxel == voxel && up == request.up &&
-           std::equal(places.begin(), places.end(), request.places.begin(), request.places.end(), same);
+    return centre == wanted.centre && source_radius == wanted.source_radius && radius == wanted.radius &&
+           description.voxel == wanted.voxel && up == wanted.up &&
+           std::equal(places.begin(), places.end(), wanted.places.begin(), wanted.places.end(), same);
   }
+  const CloudCheck& check() {
+    if (!check_) check_.emplace(description.points, description.voxel);
+    return *check_;
+  }
+
+  Eigen::Vector3d centre;
+  double source_radius, radius;
+  Eigen::Vector3d up;
+  std::vector<std::pair<std::int64_t, Pose>> places;
+  CloudDescription description;
+  std::size_t raw_points = 0;  ///< that were gathered for it
+
+ private:
+  std::optional<CloudCheck> check_;
 };
 
 PlaceFinder::PlaceFinder() = default;
@@ -68,45 +76,51 @@ PlaceFinder::~PlaceFinder() = default;
 PlaceFinder::PlaceFinder(PlaceFinder&&) noexcept = default;
 PlaceFinder& PlaceFinder::operator=(PlaceFinder&&) noexcept = default;
 
-const PlaceFinder::Target& PlaceFinder::target(const RecoveryRequest& request, double voxel,
-                                               const Eigen::Matrix3d& level, double* cost_s) {
-  const auto known = std::find_if(targets_.begin(), targets_.end(),
-                                  [&](const Target& t) { return t.is_of(request, voxel); });
-  if (known != targets_.end()) {
-    std::rotate(known, known + 1, targets_.end());
-    return targets_.back();
+PlaceFinder::Target::Target(const SearchTarget& wanted)
+    : centre(wanted.centre), source_radius(wanted.source_radius), radius(wanted.radius), up(wanted.up) {
+  for (const ArchivedKeyframe& k : wanted.places) places.emplace_back(k.utime, k.map_from_body);
+  DescriptionOptions options;
+  options.voxel = wanted.voxel;
+  const double wider = std::min(radius / std::max(source_radius, 1e-3), kWidestPart);
+  options.keypoints = static_cast<std::size_t>(kKeypoints * wider * wider);
+  description = describe(
+      moved(submap_around(wanted.places, centre, radius, wanted.voxel), Pose(level_rotation(up))), options);
+  for (const ArchivedKeyframe* k : keyframes_seeing(wanted.places, centre, radius))
+    raw_points += k->points->size();
+}
+
+PlaceFinder::Target& PlaceFinder::known(const SearchTarget& wanted, double* cost_s) {
+  const auto found = std::find_if(targets_.begin(), targets_.end(),
+                                  [&](const auto& target) { return target->is_of(wanted); });
+  if (found != targets_.end()) {
+    std::rotate(found, found + 1, targets_.end());
+    return *targets_.back();
   }
   if (targets_.size() == kTargets) targets_.erase(targets_.begin());
-  Target target;
-  target.centre = request.target_centre;
-  target.source_radius = request.source_radius;
-  target.radius = request.radius;
-  target.up = request.up;
-  for (const ArchivedKeyframe& k : request.places) target.places.emplace_back(k.utime, k.map_from_body);
-  DescriptionOptions options;
-  options.voxel = voxel;
-  const double wider = std::min(request.radius / std::max(request.source_radius, 1e-3), kWidestPart);
-  options.keypoints = static_cast<std::size_t>(kKeypoints * wider * wider);
-  target.description = describe(
-      moved(submap_around(request.places, request.target_centre, request.radius, voxel), Pose(level)),
-      options);
-  *cost_s += kSecondsAPoint * static_cast<double>(target.description.points.size());
-  for (const ArchivedKeyframe* k : keyframes_seeing(request.places, request.target_centre, request.radius))
-    *cost_s += kSecondsARawPoint * static_cast<double>(k->points->size());
-  targets_.push_back(std::move(target));
-  return targets_.back();
+  targets_.push_back(std::make_unique<Target>(wanted));
+  Target& target = *targets_.back();
+  *cost_s += kSecondsAPoint * static_cast<double>(target.description.points.size()) +
+             kSecondsARawPoint * static_cast<double>(target.raw_points);
+  return target;
+}
+
+void PlaceFinder::prepare(const SearchTarget& target) {
+  double cost_s = 0;
+  known(target, &cost_s).check();
 }
 
 RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   CpuClock clock;
-  const Eigen::Matrix3d level = level_rotation(request.up);
+  const Eigen::Matrix3d level = level_rotation(request.target.up);
   // Without a measured attitude the source is levelled by its own body: slopes turn the body, and where it
   // stands now is not where it was lost.
   const Eigen::Matrix3d stand = level_rotation(request.source_up.value_or(request.body_up));
-  const CloudDescription source = describe_source(moved(request.source, Pose(stand)), request.voxel);
+  const CloudDescription source = describe_source(moved(request.source, Pose(stand)), request.target.voxel);
   double cost_s = kSecondsASearch + kSecondsAPoint * static_cast<double>(source.points.size());
-  const CloudDescription& target_description = target(request, source.voxel, level, &cost_s).description;
-  cost_s += kSecondsALook * static_cast<double>(target_description.points.size());
+  SearchTarget wanted = request.target;
+  wanted.voxel = source.voxel;
+  Target& target = known(wanted, &cost_s);
+  cost_s += kSecondsALook * static_cast<double>(target.description.points.size());
 
   CloudRegistrationOptions registration;
   registration.tilt = request.tilt;
@@ -115,11 +129,11 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   registration.judged = false;
   // source: stand (p - source_centre); target: level (p - target_centre).
   const Pose to_stand = Pose(stand) * Eigen::Translation3d(-request.source_centre);
-  const Pose to_level = Pose(level) * Eigen::Translation3d(-request.target_centre);
+  const Pose to_level = Pose(level) * Eigen::Translation3d(-request.target.centre);
   for (const Pose& pose : request.undecided)
     registration.proposals.push_back(to_level * pose * to_stand.inverse());
   for (const Eigen::Vector3d& up : request.stands) registration.target_ups.push_back(level * up);
-  const CloudRegistration found = register_clouds(source, target_description, registration);
+  const CloudRegistration found = register_clouds(source, target.description, registration, &target.check());
 
   RecoveryAnswer answer;
   answer.serial = request.serial;

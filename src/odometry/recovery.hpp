@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,16 @@
 
 namespace scanlock {
 
+/// A part of a map to look for a place in.
+struct SearchTarget {
+  std::vector<ArchivedKeyframe> places;              ///< of the whole map
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of the part, map frame
+  double source_radius = 0;                          ///< metres: of what is looked for
+  double radius = 0;                                 ///< metres about the centre
+  double voxel = 0;                                  ///< metres
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();     ///< in the map frame
+};
+
 /// Where is this? The recent scans as one cloud, and the part of the map to look for it in. A value: it can
 /// be worked on by another thread while the tracker goes on.
 struct RecoveryRequest {
@@ -22,14 +33,9 @@ struct RecoveryRequest {
   std::int64_t utime = 0;  ///< microseconds, stamp of the newest scan in `source`
   /// What was seen since the robot got lost, axes of the predicted map frame, relative to `source_centre`.
   PointCloud source;
-  double source_radius = 0;  ///< metres about its centre
   Eigen::Vector3d source_centre = Eigen::Vector3d::Zero();
-  std::vector<ArchivedKeyframe> places;
-  Eigen::Vector3d target_centre = Eigen::Vector3d::Zero();  ///< map frame
-  double radius = 0;                                        ///< metres about the target centre
-  double voxel = 0;                               ///< metres, of both; where the source is sparse, wider
-  double tilt = 0;                                ///< radians: how well attitudes are known
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< in the map frame
+  SearchTarget target;  ///< its voxel is wider where the source is sparse
+  double tilt = 0;      ///< radians: how well attitudes are known
   /// The z axis of the body, axes of the predicted map frame.
   Eigen::Vector3d body_up = Eigen::Vector3d::UnitZ();
   /// What it may be at its place, axes of the map, unit; empty where up is measured.
@@ -107,13 +113,16 @@ class PlaceFinder {
   PlaceFinder(PlaceFinder&&) noexcept;
   PlaceFinder& operator=(PlaceFinder&&) noexcept;
   RecoveryAnswer find(const RecoveryRequest& request);
+  /// Describes a target ahead of the searches in it, where their sources turn out dense enough for its voxel.
+  void prepare(const SearchTarget& target);
+
+  static constexpr std::size_t kTargets = 6;  ///< remembered, of some megabytes each
 
  private:
   struct Target;
   /// What making it costs, where it is not known already, is added to `cost_s`.
-  const Target& target(const RecoveryRequest& request, double voxel, const Eigen::Matrix3d& level,
-                       double* cost_s);
-  std::vector<Target> targets_;  ///< the one that was asked for last comes last
+  Target& known(const SearchTarget& wanted, double* cost_s);
+  std::vector<std::unique_ptr<Target>> targets_;  ///< the one that was asked for last comes last
 };
 
 }  // namespace scanlock

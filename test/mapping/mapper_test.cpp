@@ -226,6 +226,32 @@ TEST_CASE("a map that is fixed stays as it is, gets no larger by revisits, and t
     CHECK(near(after.keyframes[k].map_from_body, saved.keyframes[k].map_from_body, 1e-6, 1e-6));
 }
 
+TEST_CASE("where a robot is looked for first in a map that was loaded is described before its first scan") {
+  Mapper first(TrackerConfig{});
+  for (int i = 0; i < 90; ++i) first.track(seen(i));  // round the hall
+  Mapper mapper(TrackerConfig{});
+  MapWorker worker(TrackerConfig{}), unprepared(TrackerConfig{});
+  mapper.load(first.save(), true);
+  int ahead = 0;
+  for (auto request = mapper.take_request(); request; request = mapper.take_request(), ++ahead) {
+    REQUIRE(std::holds_alternative<SearchTarget>(*request));
+    mapper.give(worker.work(*request));
+  }
+  CHECK(ahead == 2);  // one part, on two scales
+  std::optional<MapRequest> request;
+  for (int i = 0; i < 10 && !request; ++i) {
+    mapper.track(seen(i));
+    request = mapper.take_request();
+  }
+  REQUIRE(request);
+  REQUIRE(std::holds_alternative<RecoveryRequest>(*request));
+  const auto answer = std::get<RecoveryAnswer>(worker.work(*request));
+  const auto other = std::get<RecoveryAnswer>(unprepared.work(*request));
+  CHECK(answer.verdict == PlaceVerdict::kFound);
+  CHECK(answer.map_from_predicted.matrix() == other.map_from_predicted.matrix());
+  CHECK(answer.cost_s < other.cost_s);
+}
+
 TEST_CASE("a robot that is not in the map it was given is at home in one of its own until it is found" *
           doctest::test_suite("long drives")) {
   TrackerConfig config = forgetful();

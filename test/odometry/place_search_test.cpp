@@ -112,13 +112,13 @@ TEST_CASE("a robot that nobody has seen is looked for first where it looks most 
   };
   auto request = ask_for(1);
   REQUIRE(request);
-  CHECK(request->target_centre.x() == 3000);
+  CHECK(request->target.centre.x() == 3000);
   REQUIRE(search.take(request->serial, true, false, 0));
   request = ask_for(101);  // what was found is looked at again
   REQUIRE(request);
-  CHECK(request->target_centre.x() == 3000);
+  CHECK(request->target.centre.x() == 3000);
   REQUIRE(search.take(request->serial, true, true, 0));
   request = ask_for(201);  // but little of what was seen is there
   REQUIRE(request);
-  CHECK(request->target_centre.x() != 3000);
+  CHECK(request->target.centre.x() != 3000);
 }

@@ -225,10 +225,11 @@ TEST_CASE("what a finder remembers of other searches changes no answer" *
   }
   REQUIRE(request);
   RecoveryRequest elsewhere = *request, coarser = *request, turned = *request;
-  elsewhere.target_centre += Eigen::Vector3d(5, 0, 0);
-  coarser.voxel *= 1.35;
+  elsewhere.target.centre += Eigen::Vector3d(5, 0, 0);
+  coarser.target.voxel *= 1.35;
   // The same stamps, another map: a log that was played twice.
-  for (ArchivedKeyframe& place : turned.places) place.map_from_body = at(1, 2, 0.5) * place.map_from_body;
+  for (ArchivedKeyframe& place : turned.target.places)
+    place.map_from_body = at(1, 2, 0.5) * place.map_from_body;
   const std::vector<RecoveryRequest> requests{*request, elsewhere, coarser, turned};
   std::vector<RecoveryAnswer> fresh;
   for (const RecoveryRequest& asked : requests) fresh.push_back(PlaceFinder().find(asked));
