@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: MIT
 //
 // A simulated day in one building: laps of an office ring, a little aside of each other, and the robot
-// carried elsewhere each half hour. Scans go from the simulator to the mapper at once, for a log of them
-// would not fit on a disk. One line an hour, as JSON: see tools/results.
+// carried elsewhere each half hour. Or hours in a bare cloud of a ring in an office or a town, made by
+// another drive of another sensor: the robot starts in it, and is not carried. Scans go from the simulator to
+// the mapper at once, for a log of them would not fit on a disk. One line an hour, as JSON: see
+// tools/results.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -15,8 +17,10 @@
 
 #include "daemon/statistics.hpp"
 #include "evaluation/metrics.hpp"
+#include "geometry/moved_cloud.hpp"
 #include "geometry/voxel_grid.hpp"
 #include "global/cpu_clock.hpp"
+#include "mapping/cloud_map.hpp"
 #include "mapping/mapper.hpp"
 #include "simulation/simulator.hpp"
 
@@ -61,27 +65,43 @@ void report(int hour, const Hour& seen, const Pose& world_from_map, const Mapper
   std::fflush(stdout);
 }
 
-void day(LidarKind lidar, int hours, unsigned seed) {
+/// The ring as a bare cloud, in the frame of the world: every fifth scan of one lap, as a survey has it.
+SavedMap surveyed(SimulationConfig config) {
+  config.lidar = LidarKind::kOs1_64;
+  config.seconds.reset();
+  config.laps = 1;
+  config.drive_seed = config.seed + 1000;
+  config.motion_distortion = false;
+  Simulator simulator(config);
+  CloudMapBuilder builder(CloudMapOptions{});
+  for (int i = 0; const auto scan = simulator.next(); ++i)
+    if (i % 5 == 0) builder.add(moved(scan->scan.points, scan->world_from_body));
+  return builder.build("survey");
+}
+
+/// `bare`: in a bare cloud, and not carried.
+void day(WorldKind world, LidarKind lidar, int hours, unsigned seed, bool bare) {
   SimulationConfig config;
-  config.world = WorldKind::kIndoor;
+  config.world = world;
   config.lidar = lidar;
   config.seed = seed;
-  config.speed_mps = kSpeed_mps;
+  if (world == WorldKind::kIndoor) config.speed_mps = kSpeed_mps;
+  Mapper mapper{TrackerConfig()};
+  if (bare) mapper.load(surveyed(config), true);
   config.seconds = hours * kHour_s;
-  config.laps = 20 * hours;  // of 250 m: more than it gets to
-  for (double t = kCarriedEach_s; t < *config.seconds; t += kCarriedEach_s) {
+  config.laps = 100 * hours;  // more than it gets to
+  for (double t = kCarriedEach_s; t < *config.seconds && !bare; t += kCarriedEach_s) {
     SimulationEvent carried{};
     carried.kind = EventKind::kKidnap;
     carried.time_s = t;
     config.events.push_back(carried);
   }
   Simulator simulator(config);
-  Mapper mapper{TrackerConfig()};
   MapWorker worker{TrackerConfig()};
   Hour seen;
   Pose world_from_map = Pose::Identity();
   double carried_s = 0;  // when that was; 0: it has come back
-  bool is_aligned = false;
+  bool is_aligned = bare;
   int hour = 1;
   std::size_t events = 0;
   while (const auto scan = simulator.next()) {
@@ -127,11 +147,18 @@ void day(LidarKind lidar, int hours, unsigned seed) {
 int main(int argc, char** argv) {
   const std::string lidar = argc > 1 ? argv[1] : "";
   const int hours = argc > 2 ? std::atoi(argv[2]) : 0;
-  if (argc < 3 || argc > 4 || (lidar != "planar" && lidar != "vlp16") || hours < 1 || hours > 24) {
-    std::fprintf(stderr, "usage: day planar|vlp16 HOURS [SEED], 1 to 24 hours\n");
+  const std::string bare = argc > 4 ? argv[4] : "";
+  const bool known =
+      (lidar == "planar" || lidar == "vlp16") && (argc < 5 || bare == "indoor" || bare == "urban");
+  if (argc < 3 || argc > 5 || !known || hours < 1 || hours > 24) {
+    std::fprintf(stderr,
+                 "usage: day planar|vlp16 HOURS [SEED [indoor|urban]], 1 to 24 hours; with a world: from a "
+                 "start in its "
+                 "bare cloud\n");
     return 2;
   }
-  scanlock::day(lidar == "planar" ? scanlock::LidarKind::kPlanar : scanlock::LidarKind::kVlp16, hours,
-                argc > 3 ? static_cast<unsigned>(std::atoi(argv[3])) : 1);
+  scanlock::day(bare == "urban" ? scanlock::WorldKind::kUrban : scanlock::WorldKind::kIndoor,
+                lidar == "planar" ? scanlock::LidarKind::kPlanar : scanlock::LidarKind::kVlp16, hours,
+                argc > 3 ? static_cast<unsigned>(std::atoi(argv[3])) : 1, argc > 4);
   return 0;
 }
