@@ -11,7 +11,6 @@
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 #include "odometry/keyframe_archive.hpp"
-#include "odometry/local_map.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/recovery.hpp"
 #include "odometry/tracked_scan.hpp"
@@ -73,8 +72,8 @@ class Tracker {
   Pose map_from_local() const;
   /// The sensor at the last scan.
   const Pose& own_from_body() const;
-  /// What scans are aligned with.
-  const LocalMap& local_map() const;
+  /// Of the active submap: its map is what scans are aligned with.
+  const Odometer& odometer() const;
   /// Scans that a robot which is not sure of its place has followed, one after the other; 0 where it is sure.
   int excursion_scans() const;
   /// Counts the submaps: a robot that is lost, and finds no place, goes on in one of its own. Keyframes of
@@ -88,9 +87,7 @@ class Tracker {
   bool on_known_ground() const;
   /// Archived keyframes from there on, their utime, may be part of what scans are aligned with.
   std::int64_t local_map_utime() const;
-  bool planar() const;
   double voxel() const;  ///< metres, of the map
-  Odometer::Usual usual() const;
   /// Where the keyframes and the frame are really. `drift`: covariance of the map around the robot against
   /// the map frame, in the frame of own_from_body(). `jumps`: poses in the map frame jump by it.
   void correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, const Pose& map_from_own,
@@ -98,7 +95,6 @@ class Tracker {
   /// See KeyframeArchive::replace.
   void replace(std::uint32_t gone, std::uint32_t kept);
   void set_drift(const Matrix6& drift);
-  const Matrix6& drift() const;
 
  private:
   struct State;
