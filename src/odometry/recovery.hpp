@@ -15,8 +15,8 @@
 
 namespace scanlock {
 
-/// Where is this? The recent scans as one cloud, and the part of the map to look for it in. A value: it can
-/// be worked on by another thread while the tracker goes on.
+/// A global search: the recent scans as one cloud, and the part of the map in which to find their pose. A
+/// value: it can be worked on by another thread while the tracker goes on.
 struct RecoveryRequest {
   std::int64_t serial = 0;
   std::int64_t utime = 0;  ///< microseconds, stamp of the newest scan in `source`
