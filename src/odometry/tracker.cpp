@@ -54,7 +54,6 @@ struct Tracker::State {
   // All poses of the state are in the own frame, that of the first scan, so that the result does not depend
   // on the origin and heading of the map's frame. Inputs and outputs are transformed.
   Pose map_from_own = Pose::Identity();
-  Pose start_pose = Pose::Identity();  // of the first scan, in the own frame
   Pose local_from_own = Pose::Identity();
   bool jumped = false;  // the pose in the own frame, since the last keyframe was archived
 
@@ -112,9 +111,11 @@ struct Tracker::State {
     up = (up + (seen - up) / attitudes).normalized();
   }
 
+  /// The scan becomes the map.
   void start(const PreparedScan& scan) {
-    odometer->start(time.now(), scan, {start_pose, Vector6::Zero()});
-    check.restart(start_pose, time.now());
+    const Pose here = check.last().map_from_body;
+    odometer->start(time.now(), scan, {here, Vector6::Zero()});
+    check.restart(here, time.now());
     state = TrackingState::kInitialising;
   }
 
@@ -149,6 +150,7 @@ struct Tracker::State {
   /// Seconds since the last trusted scan.
   double unseen_s() const { return time.since_s(check.last().utime); }
 
+  /// A scan of a robot that is not lost: predict, align, decide, fuse.
   void track_on(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
     MotionPrior prior = predict();
     if (odometer->awaits_second()) {  // from two scans of which one is covered no motion follows
@@ -248,6 +250,7 @@ struct Tracker::State {
 
   // ---- lost
 
+  /// A scan of a lost robot: followed by lost-mode odometry until it is relocalised, or begins a submap.
   void track_lost(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
     if (!relocation.has_excursion()) distrust(predict());
     Attempt attempt;
@@ -426,7 +429,6 @@ void Tracker::set_pose(const Pose& map_from_body) {
   s.odometer->set_pose(here);
   s.jump(before, here);
   s.jumped = true;
-  s.start_pose = here;
   s.check.restart(here, s.time.now());
   s.begun = s.open = false;
   if (!s.archive.knows(here.translation())) {  // a new start
@@ -453,7 +455,6 @@ void Tracker::load(SavedMap saved, bool fixed) {
   saved = moved(saved, s.map_from_own.inverse());
   s.archive.restore(std::move(saved.keyframes), fixed);
   s.time.start_after(s.archive.keyframes().back().utime);
-  s.start_pose = saved.last_pose;
   s.check.restart(saved.last_pose, 0);
   s.jump(s.odometer->state().pose, saved.last_pose);
   s.jumped = true;
