@@ -3,8 +3,6 @@
 // What the reports of scanlock-align are made of.
 #pragma once
 
-#include <sys/resource.h>
-
 #include <Eigen/Core>
 #include <chrono>
 #include <cstdint>
@@ -33,12 +31,6 @@ class Stopwatch {
   using Clock = std::chrono::steady_clock;
   Clock::time_point last_ = Clock::now();
 };
-
-inline double peak_rss_mb() {
-  rusage use{};
-  getrusage(RUSAGE_SELF, &use);
-  return static_cast<double>(use.ru_maxrss) * 1024e-6;  // of kibibytes
-}
 
 inline Json row_major(const Eigen::MatrixXd& matrix) {
   Json values = Json::array();

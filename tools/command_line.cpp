@@ -3,9 +3,11 @@
 #include "command_line.hpp"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <cmath>
@@ -15,6 +17,7 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <thread>
 
 #include "daemon/nearest_name.hpp"
 
@@ -79,6 +82,16 @@ void check_standard_output(bool good) {
 
 void print(const std::string& text) {
   check_standard_output(std::fwrite(text.data(), 1, text.size(), stdout) == text.size());
+}
+
+double peak_rss_mb() {
+  rusage use{};
+  getrusage(RUSAGE_SELF, &use);
+  return static_cast<double>(use.ru_maxrss) * 1024e-6;  // of kibibytes
+}
+
+int machine_threads() {
+  return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
 void check_picture_path(const std::string& path) {

@@ -34,6 +34,12 @@ void print_json(const Json& json) {
   print(json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
+/// Of this process so far: peak resident memory.
+double peak_rss_mb();
+
+/// Threads that the machine can run at once, at least 1.
+int machine_threads();
+
 /// Pictures are SVG; a name that says another format was not meant so. An empty name stands for no picture.
 void check_picture_path(const std::string& path);
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "command_line.hpp"
 #include "evaluation/log_states.hpp"
@@ -22,6 +23,7 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string estimate, reference, picture, html;
   std::string align = "se3";
+  std::vector<std::string> notes;
   double tolerance_s = kDefaultTimeTolerance;
   bool json = false, force = false;
 };
@@ -64,6 +66,9 @@ void declare(CommandLine line, Options& options) {
       .above_zero();
   line.option("--picture", options.picture, "write an SVG picture here");
   line.option("--html", options.html, "write a page with the picture and the numbers here");
+  line.option("--note", options.notes,
+              "NAME: VALUE, a further row of the table and of the page; may be repeated")
+      .repeated();
   line.flag("--force", options.force, "overwrite outputs that are there already");
   line.flag("--json", options.json, "print one JSON object");
 }
@@ -160,7 +165,18 @@ Json result_json(const Comparison& comparison, const std::string& align) {
           {"align", align}};
 }
 
-void run(const Options& options) {
+Rows notes_of(const Options& options) {
+  Rows notes;
+  for (const std::string& note : options.notes) {
+    const std::size_t colon = note.find(": ");
+    if (colon == std::string::npos) throw UsageError("--note " + note + ": is not NAME: VALUE");
+    notes.push_back({note.substr(0, colon), note.substr(colon + 2)});
+  }
+  return notes;
+}
+
+int run(const Options& options) {
+  const Rows notes = notes_of(options);
   check_outputs({{trajectory_file(options.estimate), trajectory_file(options.reference)},
                  {options.picture, options.html},
                  ""},
@@ -169,8 +185,12 @@ void run(const Options& options) {
   const LoadedTrajectory estimate = load(options.estimate);
   LoadedTrajectory reference = load(options.reference);
   if (reference.has_times) sort_by_time(reference.trajectory);
-  Comparison comparison{
-      estimate.name, reference.name, estimate.trajectory, reference.trajectory, {}, {}, {}, {}, {}, {}};
+  Comparison comparison;
+  comparison.estimate_name = estimate.name;
+  comparison.reference_name = reference.name;
+  comparison.estimate = estimate.trajectory;
+  comparison.reference = reference.trajectory;
+  comparison.notes = notes;
   comparison.pairs = match(estimate, reference, options);
   comparison.evaluation = evaluate(comparison.pairs, estimate.trajectory.size(), overlay_of(options));
   if (estimate.has_times && reference.has_times) {
@@ -191,19 +211,17 @@ void run(const Options& options) {
   if (!options.html.empty()) write_file_bytes(options.html, trajectory_html(comparison));
   if (options.json) {
     print_json(result_json(comparison, options.align));
-    return;
+    return 0;
   }
   std::printf("%-20s %s\n", "laid over by", options.align.c_str());
   for (const auto& [what, value] : result_rows(comparison))
     std::printf("%-20s %s\n", what.c_str(), value.c_str());
+  return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   return run_program<Options>("scanlock-evaluate", "Trajectory errors as numbers and as a picture.", argc,
-                              argv, declare, [](const Options& options) {
-                                run(options);
-                                return 0;
-                              });
+                              argv, declare, run);
 }

@@ -108,7 +108,7 @@ Json summary(const Result& result, const Counters& counters) {
             {"max", percentile(ms, 1.0)},
             {"mean", ms.empty() ? 0.0 : sum / static_cast<double>(ms.size())}}},
           {"cpu_s", seconds(usage.ru_utime) + seconds(usage.ru_stime)},
-          {"peak_rss_mb", static_cast<double>(usage.ru_maxrss) * 1024e-6}};
+          {"peak_rss_mb", peak_rss_mb()}};
 }
 
 void print(const Json& s) {
@@ -188,7 +188,7 @@ int run(const Options& options) {
     ProgressBar bar("odometry");
     replay.run(
         StopSignal(), [&](const FinishedScan& finished, double ms) { result.note(finished, ms); },
-        [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); });
+        bar.updater());
   }
   sink->close();
   const std::string why = replay.why_no_scan(), damage = replay.damage();

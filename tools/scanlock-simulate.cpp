@@ -1,7 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
 // scanlock-simulate: drives a simulated LiDAR through a world into an LCM log, with exact truth.
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
@@ -9,7 +8,6 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "command_line.hpp"
@@ -37,7 +35,7 @@ struct Options {
 void declare(CommandLine line, Options& options) {
   line.explain("", {"scanlock-simulate drive.lcmlog --world indoor --seconds 30 --truth truth.tum",
                     "scanlock-simulate drive.lcmlog --lidar os1-64 --event kidnap@20 --event blackout@40+2"});
-  options.config.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  options.config.threads = machine_threads();
   line.option("--world", options.world, "urban, indoor, forest, tunnel or field").default_shown();
   line.option("--lidar", options.lidar, "vlp16, hdl64, os1-64, mid360 or planar").default_shown();
   line.option("--seconds", options.config.seconds,

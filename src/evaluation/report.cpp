@@ -231,8 +231,6 @@ std::string heading(const Comparison& comparison) {
                                       "y=\"76\">estimate, not tracking by its own account</text>\n");
 }
 
-using Rows = std::vector<std::pair<std::string, std::string>>;
-
 void add_errors(const AbsoluteError& ate_m,
                 const std::array<std::optional<RelativeError>, kRelativeLengths.size()>& rpe,
                 const std::string& indent, Rows& rows) {
@@ -278,6 +276,7 @@ Rows result_rows(const Comparison& comparison) {
   if (comparison.nees) rows.push_back({"NEES", nees_text(*comparison.nees)});
   if (comparison.kidnaps.wrong_jumps)
     rows.push_back({"wrong jumps", std::to_string(*comparison.kidnaps.wrong_jumps)});
+  rows.insert(rows.end(), comparison.notes.begin(), comparison.notes.end());
   return rows;
 }
 
@@ -298,8 +297,9 @@ std::string trajectory_html(const Comparison& comparison) {
       "body { font-family: \"DejaVu Sans\", Verdana, Helvetica, sans-serif; margin: 2em; "
       "color: #202124; display: flex; flex-wrap: wrap; gap: 2em; align-items: flex-start; }\n"
       "svg { flex: 1 1 600px; max-width: 1000px; height: auto; }\n"
-      "table { border-collapse: collapse; }\n"
-      "td { padding: 0.3em 1.2em 0.3em 0; border-bottom: 1px solid #eceff1; white-space: pre; }\n"
+      "table { flex: 1 1 400px; max-width: 700px; border-collapse: collapse; }\n"
+      "td { padding: 0.3em 1.2em 0.3em 0; border-bottom: 1px solid #eceff1; vertical-align: top; "
+      "white-space: pre; }\n"
       "td + td { font-variant-numeric: tabular-nums; white-space: normal; }\n"
       "</style>\n</head>\n<body>\n" +
       trajectory_svg(comparison) + "<table>\n";

@@ -14,6 +14,8 @@
 
 namespace scanlock {
 
+using Rows = std::vector<std::pair<std::string, std::string>>;
+
 /// What a report is about. The trajectories stand as they were read; the pairs come from them.
 struct Comparison {
   std::string estimate_name, reference_name;
@@ -24,10 +26,11 @@ struct Comparison {
   std::vector<StampedState> states;  ///< of the estimate, in the order of time; empty: not known
   std::optional<Nees> nees;          ///< of the same states; nothing: not known
   SplitErrors split;                 ///< of the same pairs, kidnaps and states
+  Rows notes;                        ///< of the caller: further rows of the table
 };
 
 /// The result as rows of a table: what, and how much with its unit ("-" where the way is too short).
-std::vector<std::pair<std::string, std::string>> result_rows(const Comparison& comparison);
+Rows result_rows(const Comparison& comparison);
 
 /// A picture of 1000 x 1020 pixels: both trajectories from above, height and error over the way. Thousands of
 /// poses are thinned to what can be seen. Where the reference was kidnapped, the jump is marked, and the

@@ -15,22 +15,23 @@ namespace scanlock {
 
 /// What two clouds say about a pose between them.
 struct CloudFit {
-  /// Share of the points of one cloud that lie on a surface of the other that looks the same way: nearer than
-  /// half a voxel to its plane. Of the two directions the better one, for one cloud may reach farther. Level
-  /// ground, which fits everywhere, is left out where there is anything else.
+  /// Share of the points of one cloud that lie less than half a voxel from the plane of a surface of the
+  /// other cloud whose normal is alike. The larger of the shares in the two directions, for one cloud may
+  /// reach farther. Level ground, which fits everywhere, is left out where there is anything else.
   double overlap = 0;
-  double residual = 0;  ///< metres: median distance of those that are near any surface to its plane
+  double residual = 0;  ///< metres: median distance from their plane of the points that are near any surface
   /// Of the points that lie on a surface of the other cloud or in space that its rays crossed, the share of
-  /// the latter (see ContradictionOf). What moves leaves points that other rays of its own cloud crossed, and
-  /// contradicts nothing.
+  /// the latter (see ContradictionOf). Points of moving objects, which other rays of their own cloud crossed,
+  /// are not counted.
   double contradiction = 0;
-  double least_overlap = 0;  ///< as overlap, of the two directions the worse one
+  double least_overlap = 0;  ///< as overlap, but the smaller share of the two directions
 };
 
-/// Whose points count for the contradiction.
+/// The cloud whose points the contradiction is counted over.
 enum class ContradictionOf {
-  kWorse,  ///< the cloud's that has the greater share: for two clouds of one kind
-  kBoth    ///< both clouds': of a map few points are where a scan's rays went, and their share says little
+  kWorse,  ///< the cloud with the greater share: for two clouds of one kind
+  kBoth  ///< both clouds together: few points of a map are where a scan's rays went, so their share alone is
+         ///< uncertain
 };
 
 /// A described cloud made ready to be compared with others.
@@ -39,7 +40,7 @@ class CloudCheck {
   /// `cloud`: thinned by `voxel` (metres), with normals and where it was seen from. Must outlive this object.
   CloudCheck(const PointCloud& cloud, double voxel);
 
-  /// The horizontal direction, in the cloud's frame, that its surfaces hold the least.
+  /// The horizontal direction, in the cloud's frame, along which its surfaces constrain a translation least.
   Eigen::Vector3d loose_direction() const;
 
   const SeenSpace& space() const { return space_; }
@@ -69,17 +70,17 @@ class CloudCheck {
   float voxel_;
   KdTree tree_;
   std::vector<std::uint32_t> samples_;
-  std::vector<bool> moved_;  // of the samples: the cloud's own rays went through later, or before
+  std::vector<bool> moved_;  // of the samples: rays of the same cloud crossed there at another time
   SeenSpace space_;
 };
 
-/// Overlap and contradiction in this direction alone, by some `count` points of the source and give or take
-/// two voxels.
+/// A coarse fit: overlap and contradiction from source to target alone, over about `count` points of the
+/// source, with a tolerance of two voxels.
 CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
                 std::size_t count);
 
-/// For each of the places, of some `count` points of the source, turned by `attitude` and moved there, how
-/// many are where the target has a surface, give or take two voxels.
+/// For each of the places: of about `count` points of the source, turned by `attitude` and moved to the
+/// place, the number within two voxels of a surface of the target.
 std::vector<std::uint16_t> surfaces_met(const CloudCheck& source, const CloudCheck& target,
                                         const Eigen::Matrix3d& attitude,
                                         const std::vector<Eigen::Vector3d>& places, std::size_t count);

@@ -25,7 +25,7 @@ struct DescriptionOptions {
   std::size_t keypoints = 800;  ///< at most, for kSpread
   double normal_radius = 2.5, feature_radius = 6;
   double salient_radius = 3, suppression_radius = 1.5;  ///< for kIss
-  /// Adds to the 33 columns of FPFH what keeps its value when a levelled cloud turns and moves: the height
+  /// Adds to the 33 columns of FPFH two that do not change when a levelled cloud turns and moves: the height
   /// above the ground nearby, and the vertical component of the normal.
   bool levelled = true;
 };
@@ -33,7 +33,7 @@ struct DescriptionOptions {
 /// The match set of section 6.1: ISS keypoints and FPFH alone; match it with lambda = 10.
 DescriptionOptions paper_description();
 
-/// A cloud made ready to be matched, as often as one likes.
+/// The keypoints and descriptors of a cloud, which can be matched with any number of other descriptions.
 struct CloudDescription {
   PointCloud points;                     ///< thinned, with normals, in the cloud's own levelled frame
   std::vector<std::uint32_t> keypoints;  ///< indices into points, ascending
@@ -43,8 +43,8 @@ struct CloudDescription {
   double points_ms = 0, keypoints_ms = 0, features_ms = 0;  ///< CPU of this thread
 };
 
-/// A voxel, metres, that leaves some six thousand points, or a part of those of a small cloud: fine enough
-/// for shapes, coarse enough for equal density near and far. 0 for a cloud without extent.
+/// The voxel, metres, to which a cloud is thinned to about six thousand points (a small one to fewer): fine
+/// enough for shapes, coarse enough for equal density near and far. 0 for a cloud without extent.
 double description_voxel(const PointCloud& cloud);
 
 /// Describes a cloud whose z axis points up. Unless it brings normals, they look to where its
@@ -53,9 +53,10 @@ double description_voxel(const PointCloud& cloud);
 /// options out of range.
 CloudDescription describe(const PointCloud& cloud, const DescriptionOptions& options = {});
 
-/// Candidate correspondences: keypoints each among the `lambda` nearest of the other by descriptor.
+/// Candidate correspondences: pairs of keypoints, each among the `lambda` nearest of the other in
+/// descriptors.
 Matches match(const CloudDescription& source, const CloudDescription& target, int lambda = 4);
-/// The same with the normals there, and their rank.
+/// The same pairs, with the normals at their points and their rank.
 std::vector<SurfaceMatch> match_surfaces(const CloudDescription& source, const CloudDescription& target,
                                          int lambda);
 

@@ -19,31 +19,31 @@ namespace scanlock {
 /// The paper's lambda: of a keypoint so many matches are looked at.
 inline constexpr int kMostMatches = 10;
 
-/// Two described clouds, and what they say of a pose between them. All that this takes is made ready once,
-/// when it is first needed.
+/// Refines poses between two described clouds, and measures how well the clouds fit there. Indices and
+/// matches are made once, when they are first needed.
 class CloudPair {
  public:
-  /// The clouds must outlive this object. `epsilon`: metres, of a match that agrees. `judged`: the clouds
-  /// decide, see CloudRegistrationOptions. `target_check`: see register_clouds().
+  /// The clouds must outlive this object. `epsilon`: metres, the inlier threshold of a match. `judged`: see
+  /// CloudRegistrationOptions. `target_check`: see register_clouds().
   CloudPair(const CloudDescription& source, const CloudDescription& target, double epsilon, bool judged,
             const CloudCheck* target_check);
 
-  /// What match() makes of the descriptions; `lambda`: kMostMatches at most.
+  /// The result of match() for the descriptions; `lambda`: kMostMatches at most.
   Matches matches(int lambda);
 
-  /// A pose made precise, first with all matches, then with the clouds, and the clouds compared. One that
-  /// they contradict from the start is not refined, unless it is the `first`.
+  /// The pose refined with all matches, then with the clouds, and the fit of the clouds there. A pose that
+  /// the clouds contradict before the refinement is not refined, unless it is the `first`.
   Hypothesis examine(const Pose& pose, int consensus, bool first);
 
-  /// Poses that the clouds hold for likely, see surface_poses(): to be examined. `ups`: directions of the
-  /// target's frame that may be the source's z axis; empty: z.
+  /// The best `count` poses by the surfaces of the clouds, see surface_poses(): to be examined. `ups`:
+  /// directions of the target's frame that may be the source's z axis; empty: z.
   std::vector<Pose> likely_poses(const std::vector<Eigen::Vector3d>& ups, std::size_t count);
 
-  /// Whether the clouds fit about as well a little farther on: a tunnel is alike along all its length, and
-  /// the rings of a scanner move along with it. Takes a hypothesis that was examined.
+  /// Whether the clouds fit about as well after a shift along the loose direction, as in a tunnel, which is
+  /// alike along all its length. Takes a hypothesis that was examined.
   bool slides(const Hypothesis& hypothesis) const;
 
-  /// How far apart two poses put the source, as a share of what counts as another pose.
+  /// separation() of hypothesis.hpp, with the centre and epsilon of this pair.
   double separation(const Pose& a, const Pose& b) const;
   const Eigen::Vector3d& centre() const { return centre_; }  ///< of the source, metres
 

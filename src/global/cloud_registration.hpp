@@ -18,7 +18,7 @@ namespace scanlock {
 
 enum class GlobalVerdict {
   kCertain,     ///< the best consensus is proven, stands out, and the clouds confirm it
-  kAmbiguous,   ///< another pose explains the clouds as well, or they leave a motion open
+  kAmbiguous,   ///< another pose explains the clouds as well, or they do not constrain a direction
   kNoOverlap,   ///< no pose was found that the clouds confirm
   kUncertified  ///< a pose that the clouds confirm, but the search ended before its proof
 };
@@ -32,16 +32,16 @@ struct CloudRegistrationOptions {
   /// takes on the slopes of a place. Empty: the z axis. Then at least 8 matches have to agree for any
   /// consensus.
   std::vector<Eigen::Vector3d> target_ups;
-  /// The clouds decide between the poses that the matches propose. False: that is left to the caller and his
-  /// own means; the clouds only put them in order, the likeliest first, and rule out the impossible ones.
-  /// They make the verdict certain only where the largest consensus is clear, and not contradicted. Where no
-  /// pose has enough matches, as of sparse clouds, many more are drawn.
+  /// True: the fit of the clouds decides between the hypotheses of the matches. False: the caller decides;
+  /// the clouds only sort the hypotheses, the likeliest first, and drop those that they contradict. The
+  /// verdict is then certain only where the largest consensus is at least kClearMargin times its runner-up
+  /// and is not contradicted. Where no pose has enough matches, as of sparse clouds, many more are drawn.
   bool judged = true;
-  /// Poses to be looked at as well, where not judged: see CloudRegistration::standing.
+  /// Further hypotheses to compare, unless judged: see CloudRegistration::standing.
   std::vector<Pose> proposals;
   int lambda = 3;
-  int attempts = 2;                 ///< match sets that are drawn at most, see below
-  std::size_t max_nodes = 200'000;  ///< of each search; ends it without a certificate
+  int attempts = 2;                 ///< match sets that are drawn at most, see register_clouds()
+  std::size_t max_nodes = 200'000;  ///< of each search, which ends there without a certificate
   std::size_t max_work =
       std::numeric_limits<std::size_t>::max();  ///< of all searches, see MatchRegistrationOptions
   double budget_s = std::numeric_limits<double>::infinity();  ///< wall seconds of each search
@@ -49,13 +49,14 @@ struct CloudRegistrationOptions {
 
 struct CloudRegistration {
   MatchRegistration solution;  ///< of the match set that decided
-  /// Where the matches have it, level. When judged: those near the refined pose, by their surfaces.
+  /// The pose of the largest consensus, level. When judged: the fit to the surfaces of the matches
+  /// near the refined pose.
   Pose start = Pose::Identity();
   Pose target_from_source = Pose::Identity();  ///< refined with the clouds; always finite
   GlobalVerdict verdict = GlobalVerdict::kNoOverlap;
   std::string why;                    ///< a sentence for people
-  CloudFit fit, rival_fit;            ///< of the pose, and of the best of the others looked at
-  std::vector<Pose> rivals;           ///< the others looked at, refined
+  CloudFit fit, rival_fit;            ///< of target_from_source, and of the best of `rivals`
+  std::vector<Pose> rivals;           ///< all other poses that were compared, refined
   std::vector<Hypothesis> standing;   ///< the proposals that the clouds do not contradict
   std::uint32_t degenerate_axes = 0;  ///< of the refinement
   double epsilon = 0;                 ///< metres, as used
@@ -65,11 +66,11 @@ struct CloudRegistration {
 };
 
 /// Registers two described levelled clouds without an initial guess: matches, the largest consensus, a short
-/// refinement with the clouds, and what the clouds say about it. When they do not confirm it, matches are
-/// drawn again, from more keypoints, and third from a wider look (which costs, and seldom helps).
-/// Descriptions have the same voxel and options, and throw std::invalid_argument when not. Deterministic,
-/// unless budget_s ends a search. `target_check`: of the target's points, where there is one already; it has
-/// to outlive the call.
+/// refinement with the clouds, and the fit of the clouds there. When the fit does not confirm it, matches are
+/// drawn again from more keypoints, and a third time with wider descriptors (which costs time, and seldom
+/// helps). Descriptions have the same voxel and options, and throw std::invalid_argument when not.
+/// Deterministic, unless budget_s ends a search. `target_check`: of the target's points, where there is one
+/// already; it has to outlive the call.
 CloudRegistration register_clouds(const CloudDescription& source, const CloudDescription& target,
                                   const CloudRegistrationOptions& options = {},
                                   const CloudCheck* target_check = nullptr);

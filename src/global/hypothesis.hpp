@@ -11,7 +11,7 @@
 
 namespace scanlock {
 
-/// A pose that many matches agree on, and what the clouds say to it.
+/// A pose that may be right, the matches that it holds, and the fit of the clouds there.
 struct Hypothesis {
   Pose start, refined;
   int consensus = 0;
@@ -19,20 +19,23 @@ struct Hypothesis {
   std::uint32_t degenerate_axes = 0;
 };
 
-/// The surfaces overlap, lie on each other to a share of the voxel (metres), and seldom contradict.
+/// Whether the overlap is large enough, the residual within a share of the voxel (metres), and the
+/// contradiction small enough.
 bool confirmed(const CloudFit& fit, double voxel);
-/// Which of two poses the clouds rather believe: the higher one.
+/// Larger for a better fit; for comparing hypotheses of the same two clouds.
 double score(const CloudFit& fit);
-/// Nobody who sees both fits would take the other for as good.
+/// Whether a pose of the fit `other` is ruled out beside one of the fit `best`: by less overlap, or
+/// contradicted.
 bool clearly_worse(const CloudFit& other, const CloudFit& best);
 
-/// Rooms of one building can look alike to half their surfaces, but the walls of the one stand in the free
-/// space of the other: contradiction of a pose that nothing speaks against.
+/// The contradiction below which a pose counts as not contradicted. Rooms of one building can share half of
+/// their surfaces, but then walls of one stand in the free space of the other.
 inline constexpr double kClearContradiction = 0.025;
 
-inline constexpr double kRivalEpsilons = 4, kRivalAngle = 0.1;  // radians; what counts as another pose
-/// How far apart two poses put the source, as a share of what counts as another pose. `centre`, of the
-/// source, and `epsilon`: metres.
+inline constexpr double kRivalEpsilons = 4,
+                        kRivalAngle = 0.1;  // epsilons and radians: a pose farther off is another one
+/// The distance of two poses of the source, in units of kRivalEpsilons epsilons and kRivalAngle: from 1 on
+/// they are different hypotheses. `centre`, of the source, and `epsilon`: metres.
 double separation(const Pose& a, const Pose& b, const Eigen::Vector3d& centre, double epsilon);
 
 /// The pose turned the least that makes the source's z axis `up` (unit), about `centre` of the source.

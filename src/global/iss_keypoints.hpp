@@ -11,9 +11,9 @@
 namespace scanlock {
 
 struct IssOptions {
-  float salient_radius = 0;  ///< metres: whose spread is looked at
+  float salient_radius = 0;  ///< metres: of the neighbourhood whose scatter is taken
   float suppression_radius =
-      0;  ///< metres, at most the salient radius: a keypoint is the most salient within
+      0;  ///< metres, at most the salient radius: a keypoint is the most salient point within it
   float ratio21 = 0.975f, ratio32 = 0.975f;  ///< largest ratios of successive eigenvalues
   int least_neighbours = 5;                  ///< within the suppression radius, the point itself included
 };

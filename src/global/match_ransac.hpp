@@ -22,8 +22,8 @@ struct MatchRansac {
   std::size_t samples = 0;
 };
 
-/// A baseline for the benchmark, nothing uses it: RANSAC over levelled motions (up is z) with samples of two
-/// matches, the paper's weaker peer. No certificate; the same seed gives the same answer.
+/// The paper's baseline, for the benchmark alone: RANSAC over levelled motions (up is z) with samples of two
+/// matches. No certificate; the same seed gives the same answer.
 MatchRansac ransac_matches(const Matches& matches, const MatchRansacOptions& options);
 
 }  // namespace scanlock

@@ -54,7 +54,7 @@ inline double bounding_limit(const LevelMatches& m, std::size_t i) {
 std::vector<std::uint32_t> inliers(const LevelMatches& matches, const LevelPose& pose);
 int consensus(const LevelMatches& matches, const LevelPose& pose);
 
-/// The pose of least squares over a subset (not empty), and over `size` of them with weights.
+/// The least-squares pose of a subset (not empty), and of `size` matches with weights.
 LevelPose fit(const LevelMatches& matches, const std::vector<std::uint32_t>& subset);
 LevelPose fit(const LevelMatches& matches, const std::uint32_t* subset, const double* weights,
               std::size_t size);

@@ -10,9 +10,8 @@
 
 namespace scanlock {
 
-/// Finds all points within a radius of one: what a tree is slow at when the radius is the same for all, and
-/// what would fill the memory when it were kept for all. Keeps a reference to the cloud, whose coordinates
-/// must not change.
+/// Finds all points within a fixed radius of a point, by cubes: faster than a tree, and without the memory
+/// that NeighbourLists takes. Keeps a reference to the cloud, whose coordinates must not change.
 class NeighbourFinder {
  public:
   /// Ascending by index.
@@ -28,13 +27,13 @@ class NeighbourFinder {
   /// The neighbours of point i, itself included; none for a point that is not finite. Valid until the next
   /// call.
   const Neighbours& about(std::size_t i);
-  /// Whether there are more than `count` of them, which takes less.
+  /// Whether point i has more than `count` neighbours; faster than about().
   bool has_more_than(std::size_t count, std::size_t i) const;
-  /// The finite points of the cloud in an order in which they are found fastest.
+  /// The finite points of the cloud, in the order in which a loop over about() is fastest.
   const std::vector<std::uint32_t>& order() const { return order_; }
 
  private:
-  /// The points in nine runs of cubes about one, copied together, ascending by index.
+  /// The points in the 27 cubes around a point (nine runs of three), ascending by index.
   struct Candidates {
     std::vector<std::uint32_t> index;
     std::vector<float> x, y, z, squared;
@@ -57,7 +56,7 @@ class NeighbourFinder {
 };
 
 /// For every point of a cloud all points within a radius, itself included, ascending by index. For small
-/// radii: they are many.
+/// radii, as memory grows with their number.
 struct NeighbourLists {
   std::vector<std::uint32_t> begin;     ///< list of point i: entries [begin[i], begin[i + 1])
   std::vector<std::uint32_t> index;     ///< into the cloud

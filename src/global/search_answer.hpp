@@ -11,7 +11,7 @@
 
 namespace scanlock {
 
-/// What a search has found so far: the best pose, and, when it prunes, the matches to keep.
+/// The result of a search so far: the best pose, and, when it prunes, the matches to keep.
 class SearchAnswer {
  public:
   /// Raises `best`; all arguments have to outlive it.
@@ -20,10 +20,10 @@ class SearchAnswer {
 
   const Incumbent& best() const { return best_; }
   int consensus() const { return best_.consensus; }
-  /// The least bound that still matters.
+  /// The smallest upper bound with which a set of poses still has to be searched.
   int wanted() const;
-  /// Takes a pose that holds so many matches, and where a climb from `held` leads, if it is the best;
-  /// returns whether it is.
+  /// A pose that holds `count` matches, `held` among them: becomes the best, climbed from `held`, where its
+  /// count is the largest so far; returns whether it is.
   bool offer(const LevelPose& pose, int count, const std::vector<std::uint32_t>& held);
   void keep(const std::vector<std::uint32_t>& matches);
   bool all_kept(const std::vector<std::uint32_t>& matches) const;

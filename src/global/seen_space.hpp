@@ -11,19 +11,20 @@
 
 namespace scanlock {
 
-/// The space that a cloud was seen in, as cells: where its surfaces are, and what the rays crossed from where
-/// its points were seen to them. Of the rays it keeps the headings, for a ray that grazes a wall says
-/// nothing against the wall.
+/// Surfaces and ray-traced free space of a cloud, as cells: a cell holds a surface, or was crossed by rays
+/// from the sensor to a point, or is unknown. Of the rays it keeps the headings, for a ray that grazes a wall
+/// does not contradict the wall.
 class SeenSpace {
  public:
   /// `cloud`: thinned by `voxel` (metres), with normals, levelled.
   SeenSpace(const PointCloud& cloud, float voxel);
 
-  /// Whether a surface that is not level is about there, give or take a voxel or two.
+  /// Whether a surface that is not level is within about two voxels of p.
   bool has_surface(const Eigen::Vector3f& p) const;
-  /// Whether a ray went through p, whatever is there.
+  /// Whether a ray crossed the cell of p, even where it holds a surface.
   bool was_seen_through(const Eigen::Vector3f& p) const { return headings(p) != 0; }
-  /// Whether a ray went through a surface at p (normal: unit, or zero) that is not the ground.
+  /// Whether a ray crossed a surface at p (normal: unit, or zero), and the cell below p: of the ground it
+  /// does not.
   bool is_crossed(const Eigen::Vector3f& p, const Eigen::Vector3f& normal) const;
 
  private:

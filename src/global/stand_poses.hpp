@@ -17,12 +17,12 @@ struct StandPoses {
   std::size_t size() const { return attitudes.size() * places.size(); }
 };
 
-/// Poses at which the source's sensor stands as high above the target's ground as above its own, in space
-/// that is known to be free, or about where the target was seen from, with the headings at which most steep
-/// surfaces of the two look the same way: guesses that need no descriptors, which look-alikes divide among
-/// themselves and of which a cloud of few points has hardly any. `source`: its origin is where its sensor
-/// stands, with normals; `target`: with normals and eyes, none without; `space`: that of the target; `voxel`:
-/// metres, of both. `ups`: directions of the target's frame that may be the source's z axis; empty: z.
+/// Hypotheses that need no descriptors, whose matches are divided among places that look alike, and too few
+/// in a cloud of few points: the source's sensor is as high above the target's ground as above its own, in
+/// free space or near a viewpoint of the target, with the headings at which most steep surfaces of the two
+/// have like normals. `source`: its origin is where its sensor stands, with normals; `target`: with normals
+/// and viewpoints (without them the result is empty); `space`: that of the target; `voxel`: metres, of both.
+/// `ups`: directions of the target's frame that may be the source's z axis; empty: z.
 StandPoses stand_poses(const PointCloud& source, const PointCloud& target, const SeenSpace& space,
                        double voxel, const std::vector<Eigen::Vector3d>& ups);
 

@@ -9,7 +9,7 @@
 
 namespace scanlock {
 
-/// Cosine between the unit normals of two points from which on they may be of one surface.
+/// Least cosine between the unit normals of two points that may lie on one surface.
 inline constexpr double kSameWay = 0.7;
 
 /// A candidate correspondence between surfaces: source point p and target point q, metres, the unit normals
@@ -21,10 +21,9 @@ struct SurfaceMatch {
 
 /// The pose near `pose` at which the surfaces of the matches meet, reached by turns about the target's axis
 /// pose.linear().col(2), near `centre` of the source (metres), and shifts. Along a wall all descriptors are
-/// alike, and matches crowd about any pose that slides along it; how far the wall is they know well. So what
-/// is off within the surfaces weighs less than what is off along their normals, by the spread of each.
-/// Matches farther off than two `epsilon` (metres) along the normal, or four within the surface, do not
-/// count; nor does anything when fewer than eight are near.
+/// alike, so matches are uncertain within a surface and precise along its normal: residuals in the two
+/// directions are weighted by the spread of each. Matches farther off than two `epsilon` (metres) along the
+/// normal, or four within the surface, do not count; nor does anything when fewer than eight are near.
 Pose fit_surfaces(const std::vector<SurfaceMatch>& matches, Pose pose, const Eigen::Vector3d& centre,
                   double epsilon);
 

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 namespace scanlock {
@@ -19,6 +20,10 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   void update(std::uint64_t done, std::uint64_t total);
+  /// update() as a value, which the bar has to outlive.
+  std::function<void(std::uint64_t, std::uint64_t)> updater() {
+    return [this](std::uint64_t done, std::uint64_t total) { update(done, total); };
+  }
 
  private:
   using Clock = std::chrono::steady_clock;

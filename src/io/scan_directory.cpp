@@ -23,7 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMaxSeconds = 9e12;  // so that microseconds fit an int64
-constexpr std::int64_t kDefaultZero = 1000000;
 
 bool is_scan_extension(const std::string& extension) {
   return extension == ".bin" || extension == ".pcd" || extension == ".ply";
@@ -130,7 +129,7 @@ void ScanDirectory::stamp(const Clock& clock) {
                                std::to_string(scans_.size()) + " scans; there must be one for each");
   }
   const bool stands_alone = !times.empty() && times.front() > 0;
-  const std::int64_t zero = clock.zero_utime >= 0 ? clock.zero_utime : stands_alone ? 0 : kDefaultZero;
+  const std::int64_t zero = clock.zero_utime < 0 && stands_alone ? 0 : clock.first_utime();
   for (std::size_t i = 0; i < scans_.size(); ++i) {
     const double time = times.empty() ? static_cast<double>(i) * clock.period_s : times[i];
     utimes_.push_back(zero + std::llround(time * 1e6));

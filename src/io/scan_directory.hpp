@@ -24,6 +24,8 @@ class ScanDirectory {
     /// zero, the default: times.txt is taken as it stands when it begins after zero; else zero is utime
     /// 1000000, because a utime of 0 means "no time" to many.
     std::int64_t zero_utime = -1;
+    /// The utime of the first scan, or pose, that has no time of its own.
+    std::int64_t first_utime() const { return zero_utime >= 0 ? zero_utime : 1000000; }
   };
 
   /// Lists the directory and reads times.txt. Throws std::runtime_error naming the path, and the line of

@@ -16,27 +16,27 @@ namespace scanlock {
 
 struct CloudMapOptions {
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< axes of the map
-  double max_range_m = 120.0;                     ///< of the sensor that will look for its place there
+  double max_range_m = 120.0;                     ///< of the sensor that will be relocalised there
   Pose map_from_cloud = Pose::Identity();
   int threads = 1;  ///< the map does not depend on it
 };
 
-/// A map out of a bare cloud, which may come from any program: keyframes at places where a robot can have
-/// stood, of what it would have seen from there. They stand an eye's height above floors that are wide
-/// enough, where nothing is in the way, so that every such place sees a keyframe near by. Nothing moves in
-/// that map. The order of the points does not matter. Memory is taken for voxels of 0.1 m that hold points,
-/// not for points.
+/// A map of a cloud without poses, which may come from any program: keyframes at poses that a robot may have,
+/// with the points that are visible from there. They stand at a sensor's height above floors that are wide
+/// enough, in free space, so densely that every such position sees a keyframe nearby. The cloud is static:
+/// poses of the map are exact. The order of the points does not matter. Memory is taken for voxels of 0.1 m
+/// that hold points, not for points.
 class CloudMapBuilder {
  public:
   explicit CloudMapBuilder(const CloudMapOptions& options);
-  /// Some of the cloud's points.
+  /// A part of the cloud's points.
   void add(PointCloud part);
-  /// Once, after all points. Throws std::runtime_error "NAME: what is wrong" for a cloud without such places.
-  /// `progress`: floor done and floor in all, any unit.
+  /// Call once, after all points. Throws std::runtime_error "NAME: what is wrong" for a cloud without such
+  /// floors. `progress`: area of floor done and in all, any unit.
   SavedMap build(const std::string& name,
                  const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
-  /// After that, a sentence where nothing stands on most of its floor: an open field, or a cloud
-  /// that is upside down. Empty otherwise.
+  /// After build(), a warning where nothing stands on most of the floor: an open field, or a cloud that is
+  /// upside down. Empty otherwise.
   const std::string& doubt() const { return doubt_; }
 
  private:
@@ -51,7 +51,7 @@ class CloudMapBuilder {
 SavedMap map_of_cloud(const PointCloud& cloud, const std::string& name, const CloudMapOptions& options,
                       const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 
-/// What the keyframes saw, as one cloud in the map's frame, thinned to `voxel` metres.
+/// The points of all keyframes as one cloud in the map's frame, thinned to `voxel` metres.
 PointCloud cloud_of_map(const SavedMap& map, float voxel);
 
 }  // namespace scanlock

@@ -18,13 +18,13 @@ namespace scanlock {
 /// Node of the map's frame in the graph; keyframes have greater numbers.
 inline constexpr std::uint32_t kOriginNode = 0;
 
-/// Those of some keyframes within `reach` metres of a position, the nearest first; as many as one side of a
-/// closure is made from.
+/// The wanted keyframes within `reach` metres of a position, the nearest first; at most as many as one side
+/// of a closure is made from.
 std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position, double reach,
                                          const std::vector<ArchivedKeyframe>& keyframes,
                                          const std::function<bool(const ArchivedKeyframe&)>& is_wanted);
 
-/// A keyframe to be aligned with what an earlier visit saw there, and the graph to be optimised by it. A
+/// A keyframe to be aligned with keyframes of an earlier visit, and the graph to be optimised by it. A
 /// value: it can be worked on by another thread while the tracker goes on.
 struct ClosureRequest {
   std::int64_t serial = 0;
@@ -33,8 +33,8 @@ struct ClosureRequest {
   std::uint32_t nearest = 0;  ///< node of the earlier visit: a keyframe, or kOriginNode where that is fixed
   std::uint32_t nearest_keyframe = 0;        ///< the same, where that is a keyframe
   Pose own_from_nearest = Pose::Identity();  ///< own: the frame of the keyframes below
-  std::vector<ArchivedKeyframe> earlier;     ///< around it: that visit's
-  std::vector<ArchivedKeyframe> recent;      ///< around it: this visit's, without the keyframe itself
+  std::vector<ArchivedKeyframe> earlier;     ///< around it, of the earlier visit
+  std::vector<ArchivedKeyframe> recent;      ///< around it, of this visit, without the keyframe itself
   std::optional<Constraint> pending;         ///< a closure of the keyframe before, which needs a second one
   Matrix6 usual_information = Matrix6::Identity();  ///< of the last closure
   double voxel = 0;                                 ///< metres
@@ -43,9 +43,9 @@ struct ClosureRequest {
 };
 
 enum class ClosureOutcome : std::int8_t {
-  kKnown,     ///< the graph knows how the two lie to each other about as well as a closure would tell
-  kRefused,   ///< the keyframe is not explained there, or too far off
-  kPending,   ///< found; another one has to agree
+  kKnown,     ///< the graph's covariance of the relative pose is about that of a closure already
+  kRefused,   ///< the keyframe is not explained there, or too far from the graph's prediction
+  kPending,   ///< found; the next one has to agree
   kAccepted,  ///< two agree, and the graph was optimised
 };
 
@@ -62,10 +62,10 @@ struct ClosureAnswer {
   Matrix6 drift = Matrix6::Zero();  ///< covariance of the keyframe in the map's frame
 };
 
-/// Aligns the keyframe with the earlier visit, from where the graph puts it. Found when as much of it is
-/// explained there as in what was seen around it just now, within a fifth, and no farther off than the
-/// covariances allow in all but one of a thousand; accepted when the one before says the same of how the two
-/// visits lie to each other.
+/// Aligns the keyframe with the earlier visit, from where the graph puts it. Found when its share of inliers
+/// there is at least four fifths of that among the recent keyframes, and the squared Mahalanobis distance to
+/// the graph's pose is below kOnceInThousand; accepted when the closure before agrees on the relative pose of
+/// the two visits.
 ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& config);
 
 /// The closure of the keyframe with `nearest`, where it is `expected` (frame of the earlier keyframes) to
@@ -73,14 +73,14 @@ ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& con
 std::optional<Constraint> find_closure(const ClosureRequest& request, const Pose& expected,
                                        const Matrix6& covariance, const TrackerConfig& config,
                                        std::string* reason);
-/// An odometer learns what it costs to align the keyframe with the recent ones, where it is.
+/// Sets the odometer's usual energy to that of the keyframe aligned with the recent ones, at its pose.
 void learn_usual(const ClosureRequest& request, Odometer* odometer);
-/// Whether two closures say the same of how the two visits lie to each other, as far as they and the ways
-/// between them are known.
+/// Whether two closures agree on the relative pose of the two visits, within the covariances of both and of
+/// the ways between them.
 bool agree(const PoseGraph& earlier_visit, const PoseGraph& this_visit, const Constraint& a,
            const Constraint& b);
 
-/// Whether there is a direction in which a closure with the usual information would say more than is known.
+/// Whether a closure with the usual information would reduce the covariance notably along some direction.
 bool is_worthwhile(const Matrix6& covariance, const Matrix6& usual_information);
 
 /// The squared Mahalanobis distance that one pose in a thousand exceeds (chi-square, 6 degrees of freedom).

@@ -12,7 +12,7 @@
 namespace scanlock {
 
 struct MapMerge {
-  bool joined = false;  ///< false: no overlap is believed, and the map is empty
+  bool joined = false;  ///< false: no overlap was accepted, and the map is empty
   SavedMap map;         ///< keyframes of the first map, then of the second, in the frame of the first
   std::size_t searches = 0, found = 0;  ///< keyframes of the second map looked for, and found, in the first
   std::size_t agreeing = 0;             ///< of the found ones, the most that agree on one overlap
@@ -23,9 +23,8 @@ struct MapMerge {
 /// Two maps of unrelated frames, which overlap, as one. Keyframes from all over the second map are searched
 /// for in the first as join_submaps() does. The maps are joined where at least kSureWitnesses finds agree and
 /// no two of the others agree on another overlap; then loop closures are added along the overlap, each
-/// accepted as close_loop() does, and the graph is optimised. Of either map the keyframes that are tied to
-/// its frame take part, the others are left out. z is up in both maps. Deterministic. `progress`: keyframes
-/// done and in all.
+/// accepted as close_loop() does, and the graph is optimised. Keyframes that no constraints tie to the frame
+/// of their map are left out. z is up in both maps. Deterministic. `progress`: keyframes done and in all.
 MapMerge merge_maps(const SavedMap& first, const SavedMap& second, const TrackerConfig& config,
                     const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 

@@ -51,7 +51,8 @@ void Mapper::connect_odometry(const ArchivedKeyframe& keyframe) {
     tie.from_to = tracker_.map_from_own() * before->map_from_body * tie.from_to;
   } else {
     tie.from_to = map_from_keyframe;
-    tie.information = inverse(Matrix6(tracker_.drift() + kPoseFloor * kPoseFloor * Matrix6::Identity()));
+    tie.information =
+        inverse(Matrix6(tracker_.odometer().drift() + kPoseFloor * kPoseFloor * Matrix6::Identity()));
   }
   tie.from = kOriginNode;
   tie.to = keyframe.id;

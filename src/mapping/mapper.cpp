@@ -180,8 +180,8 @@ ClosureRequest Mapper::request_around(const ArchivedKeyframe& keyframe) const {
   });
   request.keyframe = keyframe;
   request.voxel = tracker_.voxel();
-  request.planar = tracker_.planar();
-  request.usual = tracker_.usual();
+  request.planar = tracker_.odometer().planar();
+  request.usual = tracker_.odometer().usual();
   return request;
 }
 
@@ -192,7 +192,7 @@ std::optional<JoinRequest> Mapper::join_request() {
   const ArchivedKeyframe& newest = keyframes.back();
   if (!active_.graph.contains(newest.id) || !joins_.is_due(newest.id)) return std::nullopt;
   std::optional<RecoveryRequest> search = joins_.next(
-      newest.utime, tracker_.local_map(), tracker_.own_from_body(), static_cast<double>(newest.reach),
+      newest.utime, tracker_.odometer().map(), tracker_.own_from_body(), static_cast<double>(newest.reach),
       tracker_.archive().without(active_.graph.nodes(), active_.fixed));
   if (!search) return std::nullopt;
   JoinRequest request;

@@ -25,7 +25,7 @@ using MapRequest = std::variant<RecoveryRequest, SearchTarget, ClosureRequest, J
 /// Of a target that was described there is nothing to tell.
 using MapAnswer = std::variant<std::monostate, RecoveryAnswer, ClosureAnswer, JoinAnswer>;
 
-/// Does that work; deterministic.
+/// Works on a request; deterministic.
 class MapWorker {
  public:
   explicit MapWorker(const TrackerConfig& config) : config_(config) {}
@@ -36,22 +36,22 @@ class MapWorker {
   PlaceFinder finder_;
 };
 
-/// A tracker whose archived keyframes are the nodes of pose graphs, one a submap. A robot that was lost, and
-/// found no place, goes on in a new submap; from there the others are searched for what it sees, and where
-/// two searches agree both submaps become one, in the frame of the older. Where the robot comes to ground
-/// that an earlier visit saw, the newest keyframe is aligned with what was seen then; two such loop closures
-/// in a row that agree become constraints, and the map is bent to them between two scans. Where it is known
-/// how the two visits lie to each other, one keyframe of a place is kept: the older one, unless the place has
-/// changed. So the map grows by new ground alone. Keyframes of a map that is fixed are no nodes: what is tied
-/// to them is tied to kOriginNode. As the tracker, a pure function of its state, the scans and the answers.
+/// A tracker whose archived keyframes are the nodes of pose graphs, one a submap. A robot that is lost for
+/// long begins a new submap; its newest keyframe is searched for in the others, and where two searches agree
+/// both submaps become one, in the frame of the older. Near keyframes of an earlier visit the newest one is
+/// aligned with them; two such loop closures in a row that agree become constraints, and the graph is
+/// optimised, taken over between two scans. Where the relative pose of two visits is known, one keyframe of a
+/// place is kept: the older one, unless the place has changed. So the map grows by new ground alone.
+/// Keyframes of a map that is fixed are no nodes: what is tied to them is tied to kOriginNode. As the
+/// tracker, a pure function of its state, the scans and the answers.
 class Mapper {
  public:
   explicit Mapper(const TrackerConfig& config) : tracker_(config), joins_(config.search_cores) {}
 
   TrackedScan track(const Scan& scan, const ScanPrior& prior = {});
 
-  /// The work that it would like to have done now, if any: see Tracker. One is out at a time. After load()
-  /// the targets of the searches to come: done before the first scan, they make these faster.
+  /// The work that is due, if any: see Tracker. No other is due before its answer. After load() these are the
+  /// targets of the searches to come: done before the first scan, they make these faster.
   std::optional<MapRequest> take_request();
   void give(MapAnswer answer);
 
@@ -61,12 +61,12 @@ class Mapper {
   void reset();
   void set_pose(const Pose& map_from_body);
   SavedMap save() const;
-  /// `fixed`: the map is right, nothing of it moves or is replaced, and what the robot sees is tied to it;
+  /// `fixed`: keyframes of the map neither move nor are replaced, and new ones are tied to them;
   /// submaps that are not tied to its frame are left out.
   void load(SavedMap saved, bool fixed = false);
   PointCloud map() const { return tracker_.map(); }
 
-  /// From now on poses carry a stamp, for which correction() says where the map puts them later.
+  /// From now on each pose has a stamp, with which correction() gives its later corrections.
   void keep_history() { history_.emplace(); }
   /// See PoseHistory::correction. The identity where no history is kept.
   Pose correction(std::uint32_t stamp) const;
@@ -74,7 +74,7 @@ class Mapper {
   /// Of the active submap. Its nodes are kOriginNode and the keyframes that are not fixed, in the map's
   /// frame.
   const PoseGraph& graph() const { return active_.graph; }
-  /// Submaps of which it is not known how they lie to the active one.
+  /// Submaps whose pose relative to the active one is not known.
   std::size_t other_submaps() const { return others_.size(); }
 
  private:

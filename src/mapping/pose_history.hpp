@@ -11,27 +11,26 @@
 
 namespace scanlock {
 
-/// To what a pose was tied when it was told, so that it can follow the map to where later loop closures put
-/// it. Poses are tied to the newest keyframe; one stamp is kept a keyframe and a correction, not one a pose.
+/// The keyframe that each published pose is tied to, so that the pose can be corrected by later loop
+/// closures. Poses are tied to the keyframe that is the newest then; memory is one stamp a keyframe and
+/// correction, not one a pose.
 class PoseHistory {
  public:
-  /// The stamp of poses that are told now, in a map where the newest keyframe is there.
+  /// The stamp of poses published now. `keyframe`: the newest one, at `map_from_keyframe`.
   std::uint32_t stamp(std::uint32_t keyframe, const Pose& map_from_keyframe);
-  /// The stamp of poses that are told of a robot which does not know where it is, and goes on from
-  /// `keyframe`. Each call begins another one.
+  /// The stamp of poses of a lost robot, which has gone on from `keyframe`. Each call begins another stamp.
   std::uint32_t open(std::uint32_t keyframe, const Pose& map_from_keyframe);
-  /// Poses of such a stamp are off: `correction` * told is where they are, in a map where a keyframe, which
-  /// they follow from now on, is there.
+  /// Corrects poses of such a stamp to `correction` * published, and ties them to `keyframe`, which is now at
+  /// `map_from_keyframe`.
   void close(std::uint32_t stamp, const Pose& correction, std::uint32_t keyframe,
              const Pose& map_from_keyframe);
-  /// A keyframe goes: what is tied to it is tied to the one that was `kept` from now on.
+  /// Keyframe `gone` is removed: poses tied to it are tied to `kept` from now on.
   void replace(std::uint32_t gone, std::uint32_t kept, const Pose& kept_from_gone);
-  /// A keyframe goes: what is tied to it stays there.
+  /// A keyframe is removed: poses tied to it stay where they are.
   void remove(std::uint32_t keyframe, const Pose& map_from_keyframe);
 
-  /// What leads from a pose as it was told to the pose in the map as it is now: correction * told. The
-  /// identity, exactly, where its keyframe has not moved. `map_from_keyframe`: where a keyframe is, by its
-  /// id.
+  /// The correction of a published pose in the map as it is now: correction * published. Exactly the identity
+  /// where its keyframe has not moved. `map_from_keyframe`: the pose of a keyframe, by its id.
   Pose correction(std::uint32_t stamp, const std::function<Pose(std::uint32_t)>& map_from_keyframe) const;
 
  private:

@@ -14,7 +14,7 @@
 
 namespace scanlock {
 
-/// A cloud as voxels that hide what is behind them. Coordinates in metres.
+/// A cloud as opaque voxels, for ray tracing. Coordinates in metres.
 /// Where points lie apart, voxels grow until the surfaces there have no holes: to the smallest size, by
 /// doubling, in which the points of a cube of 32 voxels take three times the voxels that they take in one of
 /// twice the size. A surface without holes takes four times as many, scattered points take as many; where
@@ -36,7 +36,7 @@ class SolidCloud {
   /// After the last point: nothing is solid before.
   void close();
 
-  /// Nothing is left of what lies at smaller x than this, metres, but for up to 3 m of it.
+  /// Removes voxels at smaller x than this, metres, except up to 3 m of them.
   void forget_below(float x);
 
   std::size_t size() const { return size_; }  ///< voxels that hold a point
@@ -47,8 +47,8 @@ class SolidCloud {
   /// Whether the first of two voxels comes first in Morton order.
   bool is_before(Voxel a, Voxel b) const;
   bool is_solid(const Eigen::Vector3f& position) const;
-  /// The nearest voxel that holds a point, of those that make up the one which a ray hits first; none within
-  /// `range` metres. `direction`: unit. The voxel of `eye` does not stop it.
+  /// The first voxel that a ray hits within `range` metres: of a grown voxel, the nearest small one that
+  /// holds a point. `direction`: unit. The voxel of `eye` itself does not stop the ray.
   std::optional<Voxel> hit(const Eigen::Vector3f& eye, const Eigen::Vector3f& direction, float range) const;
 
  private:

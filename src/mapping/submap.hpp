@@ -13,35 +13,36 @@
 
 namespace scanlock {
 
-/// Keyframes that are tied to each other, in a frame of their own.
+/// Keyframes that constraints connect, in a frame of their own.
 struct Submap {
   PoseGraph graph;                       ///< kOriginNode is its frame
   Pose own_from_map = Pose::Identity();  ///< own: the frame of the tracker and its archive
-  bool fixed = false;                    ///< a map that was given: kOriginNode is all that is a node of it
+  bool fixed = false;  ///< true: holds a map that was given and does not move; kOriginNode stands for all its
+                       ///< keyframes
   bool located = true;  ///< false: begun by a robot that was not found in the map it was given
 };
 
-/// Whether the frame of `a` is that of both, once they are joined: that of the map which was given, or which
-/// has the older keyframe.
+/// Whether the joined submap takes the frame of `a`: the frame of a map that was given, else that of the
+/// older keyframe.
 bool is_older(const Submap& a, const Submap& b);
 
-/// Both as one graph, in the frame of the older one; `closure`, from the other one to the active one, says
-/// how they lie to each other and is still to be connected.
+/// Both as one graph, in the frame of the older one. `closure`, a constraint from the other to the active
+/// submap, gives their relative pose, and is not connected yet.
 PoseGraph joined(const Submap& active, const Submap& other, const Constraint& closure);
 
-/// The submap of a keyframe, by its place; none where it is none of them. What is a node of none is of a
-/// fixed one.
+/// The index of the submap that a keyframe is of; nothing where it is of none of them. A keyframe that is no
+/// node is of the fixed one.
 std::optional<std::size_t> submap_of(std::uint32_t keyframe, const std::vector<Submap>& submaps);
 
-/// What a file keeps: each keyframe in the frame of its submap. Constraints name keyframes by their ids, the
-/// file by their places; the oldest submap alone is tied to the frame of the file, and others that have but
-/// one keyframe are not kept. `map`: all keyframes, in the frame of the active submap.
+/// The content of a map file: each keyframe in the frame of its submap. Constraints name keyframes by their
+/// ids, the file by their places; the oldest submap alone is tied to the frame of the file, and others that
+/// have but one keyframe are not kept. `map`: all keyframes, in the frame of the active submap.
 SavedMap saved_map(const SavedMap& map, const Submap& active, const std::vector<Submap>& others);
-/// The submaps of such a file, the one that is tied to its frame first. Single keyframes that nothing ties
-/// are taken for part of that.
+/// The submaps of a map file, that which is tied to the file's frame first. Single keyframes without a
+/// constraint are taken as part of it.
 std::vector<Submap> submaps_of(const SavedMap& saved);
 
-/// The keyframes alone that are tied to the frame of the file.
+/// Only the keyframes that are tied to the file's frame.
 SavedMap first_submap(SavedMap saved);
 
 }  // namespace scanlock

@@ -12,7 +12,8 @@ namespace {
 /// How far a search of that resolution may be off.
 Matrix6 resolution(const RecoveryRequest& search, double reach) {
   Vector6 sigma;
-  sigma << Eigen::Vector3d::Constant(search.target.voxel), Eigen::Vector3d::Constant(search.target.voxel / reach);
+  sigma << Eigen::Vector3d::Constant(search.target.voxel),
+      Eigen::Vector3d::Constant(search.target.voxel / reach);
   return sigma.cwiseAbs2().asDiagonal();
 }
 

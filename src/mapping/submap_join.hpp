@@ -13,14 +13,14 @@
 
 namespace scanlock {
 
-/// A keyframe of the active submap, found in another one.
+/// A keyframe of the active submap that was found in another submap.
 struct JoinFind {
   Constraint closure;  ///< to the keyframe
   std::uint32_t nearest_keyframe = 0;
 };
 
-/// To look for the active submap's newest keyframe in all others. A value: it can be worked on by another
-/// thread.
+/// A search for the active submap's newest keyframe in all other submaps. A value: it can be worked on by
+/// another thread.
 struct JoinRequest {
   RecoveryRequest search;  ///< of what is around the keyframe, in the other submaps
   ClosureRequest closure;  ///< `recent` is around the keyframe; there is no `earlier`, nor `nearest`
@@ -36,23 +36,24 @@ struct JoinAnswer {
   std::vector<Constraint> agreeing;  ///< of an accepted one: the earlier finds that say the same
 };
 
-/// Finds the place by certified search, aligns the keyframe there, and accepts it when an earlier find, of
-/// another place, says the same of how the two submaps lie to each other (of a planar sensor, three).
+/// Finds the keyframe's pose by certified search, aligns it there, and accepts the join when an earlier find,
+/// of another keyframe, agrees on the relative pose of the two submaps (for a planar sensor, three earlier
+/// finds).
 JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const TrackerConfig& config);
 
-/// When the other submaps are searched, and what was found in them so far.
+/// Schedules the searches of the other submaps, and keeps their finds.
 class JoinSearch {
  public:
   /// `cores`: see PlaceSearch.
   explicit JoinSearch(double cores) : search_(cores, PlaceSearch::Parts::kNarrow) {}
 
-  /// The active submap is another one: what was found is void.
+  /// The active submap is another one: the finds are void.
   void begin();
   /// A scan was aligned with the active submap.
   void note_scan() { ++scans_; }
-  /// Whether to look for a keyframe, which is asked once for each, in the other submaps.
+  /// Whether to search the other submaps for this keyframe; to be asked once for each.
   bool is_due(std::uint32_t newest);
-  /// That search, where its budget allows it. `elsewhere`: the keyframes of the other submaps;
+  /// The search, where the budget allows it. `elsewhere`: the keyframes of the other submaps;
   /// `scene`: see Surroundings.
   std::optional<RecoveryRequest> next(std::int64_t utime, const LocalMap& map, const Pose& map_from_body,
                                       double scene, const KeyframeArchive& elsewhere);

@@ -14,32 +14,34 @@
 
 namespace scanlock {
 
-/// Places where a lost robot may be, tried on the scans that follow. One is believed when it explains a few
-/// of them in a row, and clearly better than any other does: two that do equally well are told apart by
-/// neither, and one that could as well stand a little farther on is none.
+/// A sequential test of hypotheses, corrections of the predicted pose of a lost robot, on the scans that
+/// follow. A hypothesis wins when it explains three scans in a row with the usual share of inliers while
+/// every other one is refuted or clearly worse, and leaves no horizontal direction open. The test is
+/// undecided when no single hypothesis has won after a fixed number of scans.
 class Contest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
-  /// Corrections of predicted poses, the favourite first, and what speaks for it.
+  /// Corrections of predicted poses, the best first, and the evidence for that one.
   Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evidence);
-  /// One that needs no search, for the robot is expected there. `wins`: scans that it has explained already.
+  /// A single hypothesis at which the robot is expected, without a search. `wins`: scans that it has
+  /// explained already.
   Contest(const Pose& map_from_predicted, int wins);
 
-  /// Of a rival (a correction, about): nothing contradicts it, though the map may not know all that is seen
+  /// The hypothesis near this correction is not contradicted, though the map may not show all that is seen
   /// there.
   void note_standing(const Pose& map_from_predicted, const Excursion& excursion);
 
-  /// One more scan, which the excursion has followed. Only kOpen goes on.
+  /// Tests one more scan, which the excursion has followed. The test goes on while the outcome is kOpen.
   Outcome judge(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion);
 
-  /// What left it undecided, for people.
+  /// The reason of kUndecided, in words.
   const char* why_undecided() const;
 
-  /// Of the place that leads, on the last scan.
+  /// The alignment of the last scan at the best hypothesis.
   const Attempt& attempt() const { return places_.front().attempt; }
   const Pose& map_from_predicted() const { return places_.front().map_from_predicted; }
-  /// All that are still in question.
+  /// All hypotheses that are not refuted, the best first.
   std::vector<Pose> places() const;
 
  private:

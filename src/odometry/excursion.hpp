@@ -13,40 +13,41 @@
 
 namespace scanlock {
 
-/// What a lost robot still knows: how it moves, and what it sees on its way. Odometry over a map of its own,
-/// begun where the robot was believed to be, so that its frame is the predicted map frame.
+/// Lost-mode odometry: the motion of a lost robot in a map of what it sees since, begun at its predicted
+/// pose, so that its frame is the predicted map frame.
 class Excursion {
  public:
   Excursion(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan,
             const MovingPose& predicted);
 
-  /// Follows one scan, `dt` seconds after the last one. A scan that does not fit begins it anew where it was
-  /// predicted: false then.
+  /// Follows one scan, `dt` seconds after the last one. False for a scan that does not fit: the odometry
+  /// begins anew with it, at its predicted pose.
   bool follow(std::int64_t utime, double dt, const PreparedScan& scan);
   /// The same for a scan without points.
   void coast(double dt);
 
-  /// Which way is up, by an attitude sensor, for the scan that was followed last.
+  /// The upward direction by an attitude sensor, for the scan that was followed last; body axes, unit.
   void note_up(const Eigen::Vector3d& up_in_body);
-  /// The mean of that since it began, axes of the predicted map frame; nothing without such a sensor.
+  /// The mean upward direction since it began, axes of the predicted map frame; nothing without such a
+  /// sensor.
   std::optional<Eigen::Vector3d> up() const;
 
   const MovingPose& state() const { return odometer_->state(); }
   const Matrix12& covariance() const { return odometer_->covariance(); }
   const Odometer& odometer() const { return *odometer_; }
-  /// The places that it has been to since it began, in the predicted map frame.
+  /// The keyframes since it began, in the predicted map frame.
   const KeyframeArchive& seen() const { return seen_; }
   bool planar() const { return odometer_->planar(); }
   /// Scans since it began.
   int scans() const { return scans_; }
-  /// Seconds that it has followed scans that fit each other.
+  /// Seconds for which scans have fitted each other, since it began.
   double followed_s() const { return followed_s_; }
-  /// Of the last scan that was followed.
+  /// The alignment of the last scan that was followed.
   const Attempt& attempt() const { return attempt_; }
 
-  /// Their scene is 0 until it has followed a scan.
+  /// `scene` is 0 until it has followed a scan.
   Surroundings surroundings() const;
-  /// Its odometer, for whoever goes on with it; the excursion is at its end.
+  /// Its odometer, which the caller goes on with; the excursion ends.
   std::unique_ptr<Odometer> take_odometer() { return std::move(odometer_); }
 
  private:
@@ -59,7 +60,7 @@ class Excursion {
   std::unique_ptr<Odometer> odometer_;
   KeyframeArchive seen_;
   int scans_ = 1;
-  Vector6 bend_ = Vector6::Zero();  ///< velocity, less what the way from scan to scan says; a mean
+  Vector6 bend_ = Vector6::Zero();  ///< mean difference of the velocity from the motion between scans
   Eigen::Vector3d up_sum_ = Eigen::Vector3d::Zero();
   double followed_s_ = 0;
   Attempt attempt_;

@@ -8,29 +8,29 @@
 
 namespace scanlock {
 
-/// How well an alignment explains its scan, against how well alignments did lately.
+/// How well an alignment explains its scan, compared with recent alignments.
 struct Health {
-  double energy = 1;       ///< weighted mean of Welsch's function of the residuals at a fixed scale, 0 to 1
-  double overlap = 0;      ///< share of the source points that met a surface
-  double baseline = 0;     ///< median of the recent energies
-  bool young = true;       ///< there are but a few of them: the map is thin
-  double rise = 0;         ///< of the energy over the baseline, in robust spreads of the recent ones
-  double score = 0;        ///< z-score: the same, or in units of chance where those are larger
-  int inliers = 0;         ///< source points within three scales of their surface
-  double share = 0;        ///< of the source points, the inliers
+  double energy = 1;    ///< weighted mean of Welsch's function of the residuals at a fixed scale, 0 to 1
+  double overlap = 0;   ///< share of the source points that met a surface
+  double baseline = 0;  ///< median of the recent energies
+  bool young = true;    ///< there are fewer than five of them: the map is thin
+  double rise = 0;      ///< of the energy over the baseline, in robust standard deviations of the recent ones
+  double score = 0;     ///< z-score: the same, in units of `chance` (see assess) where that is larger
+  int inliers = 0;      ///< source points within three scales of their surface
+  double share = 0;     ///< of the source points, the inliers
   double usual_share = 0;  ///< median of the recent ones
 };
 
-/// What chance does to the energy of a whole scan of a planar sensor.
+/// Standard deviation, by chance, of the energy of a whole scan of a planar sensor.
 double planar_chance(std::size_t points);
 
-/// The normalised energy and its recent history. A scan of a known place costs about what the scans before it
-/// cost, however fast the robot goes; a scan of another place, wherever ICP has slid it, costs more. (A guard
-/// in metres fails on fast roads, and overlap alone lies in both directions.)
+/// The normalised energy and its recent history. At a known place the energy of a scan is about that of the
+/// scans before it, at any speed; at another place, wherever ICP has slid it, it is larger. (A guard in
+/// metres fails on fast roads, and overlap alone lies in both directions.)
 class HealthMonitor {
  public:
-  /// `scale`: metres, fixed while the sensor and the scene stay what they are. `chance`: what the energy of a
-  /// whole scan, of which this may be a part, varies by with no reason.
+  /// `scale`: metres, fixed while the sensor and the scene stay what they are. `chance`: standard deviation
+  /// of the energy of a whole scan by chance; the scan here may be a part of it.
   Health assess(const std::vector<float>& residuals, const std::vector<float>& weights, double scale,
                 double chance) const;
   /// Adds the energy of an alignment that was trusted.

@@ -7,9 +7,9 @@
 
 namespace scanlock {
 
-/// What was seen while the robot was lost becomes part of the map, where it shows new ground. It lies to the
-/// map as the pose does that was found, and as well as the way from there is known. `reach`: metres, of the
-/// scan now.
+/// Adds the keyframes that were seen while the robot was lost to the archive, where they show new ground.
+/// Their poses follow from the pose that was found, `map_from_predicted`, and their covariances from the way
+/// back from there. `reach`: metres, of the scan now.
 void join(const Excursion& excursion, const Pose& map_from_predicted, double reach, KeyframeArchive* archive);
 
 }  // namespace scanlock

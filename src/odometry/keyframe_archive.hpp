@@ -19,7 +19,7 @@ inline constexpr double kPlaceSpacing = 1.0 / 6.0;     ///< of the reach, betwee
 inline constexpr double kKeyframeVoxel = 1.0 / 100.0;  ///< of the reach: a keyframe is thinned to it, or more
 inline constexpr double kSameSpot = 1.0 / 3.0;  ///< of the reach: keyframes so near show the same ground
 
-/// A place that the robot has been to: what it saw from there.
+/// A keyframe that is kept for relocalisation: a pose, and the points that were seen from there.
 struct ArchivedKeyframe {
   std::int64_t utime = 0;                    ///< microseconds, stamp of the scan
   Pose map_from_body = Pose::Identity();     ///< body: the sensor at the stamp

@@ -13,7 +13,7 @@
 
 namespace scanlock {
 
-/// A scan that the map is made of.
+/// One of the scans that the map is made of.
 struct Keyframe {
   std::uint32_t id = 0;
   std::int64_t utime = 0;
@@ -27,23 +27,24 @@ struct LocalMapLimits {
   double max_distance = 100;  ///< metres from the robot at which a keyframe is forgotten
 };
 
-/// A sliding window of keyframes and their union, thinned to one point a voxel: the first one that was seen
-/// there (the map then does not creep along with what is measured against it), for as long as a keyframe of
-/// the window sees that voxel. Coordinates are floats relative to `origin()`, which follows the robot; axes
-/// are those of the map frame.
+/// A sliding window of keyframes and their union, thinned to one point a voxel: the first point seen there
+/// (so that the map does not drift with the scans aligned with it), for as long as a keyframe of the window
+/// sees that voxel. Coordinates are floats relative to `origin()`, which follows the robot; axes are those of
+/// the map frame.
 class LocalMap {
  public:
   explicit LocalMap(const LocalMapLimits& limits);
   LocalMap(const LocalMap&) = delete;  // the surfaces point into cloud and tree
   LocalMap& operator=(const LocalMap&) = delete;
 
-  /// Adds a keyframe at its pose. New points are indexed at once; forgetting old ones, and one index of all,
-  /// wait until it is worth it. `voxel` in metres. Of its points, the share that shows new ground (0 to 1).
+  /// Adds a keyframe at its pose. New points are indexed at once; old ones are forgotten, and all points
+  /// indexed together, only now and then. `voxel` in metres. Returns the share of its points that show new
+  /// ground (0 to 1).
   double insert(Keyframe keyframe, double voxel);
-  /// These and nothing else, as if inserted in this order, but indexed once. `voxel` in metres. Of `places`
-  /// places: the limits hold for each of them, until the next insert.
+  /// Replaces all keyframes, as if these were inserted in this order, but indexed once. `voxel` in metres.
+  /// `places`: the number of places they are of; the limits hold for each place, until the next insert.
   void load(std::vector<Keyframe> keyframes, double voxel, std::size_t places = 1);
-  /// Whether a planar sensor sees it, from now on: its surfaces are walls.
+  /// Whether scans are of a planar sensor from now on: surfaces are then vertical.
   void set_planar(bool planar);
   bool planar() const { return planar_; }
   void clear();
@@ -54,11 +55,11 @@ class LocalMap {
   /// All points and where they were seen from, relative to origin().
   const PointCloud& cloud() const { return cloud_; }
 
-  /// Where the floats count from, map frame.
+  /// The origin of the coordinates, map frame.
   const Eigen::Vector3d& origin() const { return origin_; }
-  /// To align with; coordinates relative to origin(). Valid until the next insert.
+  /// The target of an alignment; coordinates relative to origin(). Valid until the next insert.
   AlignmentTarget target() { return {cloud_, tree_, surfaces_}; }
-  /// Those within `radius` metres (horizontally) of `centre` (map frame), relative to it.
+  /// The points within `radius` metres (horizontally) of `centre` (map frame), relative to it.
   PointCloud around(const Eigen::Vector3d& centre, double radius) const;
   /// All points in the map frame, with normals where surfaces were fitted.
   PointCloud snapshot() const;

@@ -8,8 +8,9 @@
 
 namespace scanlock {
 
-/// The covariance of what a motion filter estimates, whatever the filter takes for granted. An alignment with
-/// a prior ends where the gradient of both is zero; to first order its error is
+/// The covariance of the estimate of a motion filter, from the scans and not from the filter's own
+/// assumptions. An alignment with a prior ends where the gradient of both is zero; to first order its error
+/// is
 ///   e = G e_predicted + L g,   G = S (A / v + w P)^-1 w P + I - S,   L = S (A / v + w P)^-1 / v,
 /// with A the second derivative of the energy of the data, g its gradient at the truth (see ScanAlignment for
 /// both), v the variance of a residual that the prior P of weight w was weighed against, and S what was

@@ -17,28 +17,28 @@ inline constexpr double kPoseFloor = 1e-3;  ///< metres and radians: no pose is 
 /// bridged and not skipped.
 class MotionFilter {
  public:
-  /// Accelerations that the robot may well reach, m/s^2 and rad/s^2; one that lasts `kManoeuvre` seconds is
-  /// one sigma.
+  /// Standard deviations of the acceleration, m/s^2 and rad/s^2, if each lasts kManoeuvre seconds.
   MotionFilter(double acceleration, double angular_acceleration);
 
-  /// At a pose, the velocity a guess that may be anything.
+  /// At the pose of `guess`, with its velocity as the mean and a wide covariance.
   void start(const MovingPose& guess);
-  /// Whether it moves in its own plane of x and y, from now on: nothing else is measured then.
+  /// Whether it moves in its own plane of x and y from now on: z, roll and pitch are then not estimated.
   void set_planar(bool planar);
 
-  /// The state `dt` seconds on (dt >= 0): its mean is the prediction, its information what it is worth.
+  /// The predicted state, `dt` seconds on (dt >= 0): mean and information.
   MotionPrior predict(double dt) const;
-  /// The same, where others say how the body moved (last_from_now), of which a planar one takes what is in
-  /// its plane. It is worth no more: an odometry that slips must not weigh more than a velocity that changes.
+  /// The same with the motion of auxiliary odometry (last_from_now) as the mean; a planar filter takes its
+  /// part in the plane. The information is no larger: an odometry that slips must not weigh more than a
+  /// velocity that changes.
   MotionPrior predict(double dt, const Pose& motion) const;
 
   /// Takes the outcome of an alignment that used `prior`: state and covariance become the posterior.
   /// `variance`: of one residual, m^2, correlations counted in.
   void update(const MotionPrior& prior, const ScanAlignment& alignment, double variance);
 
-  /// Takes the prediction for the state: nothing was seen.
+  /// The prediction becomes the state, without a measurement.
   void coast(const MotionPrior& prior);
-  /// From now on it is predicted as standing; what the velocity may be is as uncertain as before.
+  /// The velocity becomes zero, with the covariance that it has.
   void stand();
 
   const MovingPose& state() const { return state_; }
@@ -61,16 +61,18 @@ class MotionFilter {
   Matrix12 covariance_ = Matrix12::Identity();
 };
 
-/// Of a pose known to so much in all directions, and of a velocity with that covariance (its last six).
+/// Information of a pose with these standard deviations along and about all axes, and of a velocity with the
+/// last six rows and columns of `covariance`.
 Matrix12 prior_information(double metres, double radians, const Matrix12& covariance);
 
-/// How far a moving pose is from a prior: the squared Mahalanobis distance of its twelve numbers.
+/// The squared Mahalanobis distance of pose and velocity from a prior (12 degrees of freedom).
 double squared_gap(const MotionPrior& prior, const MovingPose& moving);
 
-/// The covariance of its pose, the velocity being whatever it may: metres and radians, in the body frame.
+/// The covariance of its pose, with the velocity marginalised: metres and radians, in the body frame.
 Matrix6 pose_covariance(const MotionPrior& prior);
 
-/// The same prior, believed a hundredth as much: for another try where it did not explain the scan.
+/// The same prior with a hundredth of its information: for a second alignment where the first did not explain
+/// the scan.
 MotionPrior loosened(MotionPrior prior);
 
 }  // namespace scanlock

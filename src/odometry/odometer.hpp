@@ -18,67 +18,67 @@
 
 namespace scanlock {
 
-// Trust in an alignment, by the robust z-score of its energy. That of good ones stays below 5 in streets and
-// rooms; a kidnap gives 10 and more.
+// Bounds on the robust z-score of the energy of an alignment. Right alignments have less than 5 in streets
+// and rooms, kidnaps 10 and more.
 inline constexpr double kFitScore =
-    3.0;  ///< beyond, another look is worth its time: it is one scan in hundreds
-inline constexpr double kJumpScore = 6.0;
-inline constexpr double kCalmScore = 4.0;  ///< hysteresis: what a lost robot must get below
+    3.0;  ///< beyond, the scan is aligned again with the far reach: one scan in hundreds
+inline constexpr double kJumpScore = 6.0;  ///< beyond, an alignment is not trusted
+inline constexpr double kCalmScore = 4.0;  ///< the lower bound of a hysteresis: for a robot that is lost
 
-/// How far pose and velocity are from their prediction, squared: drives stay below 3, shakes below 25;
-/// kidnaps to a place that looks alike had 35 and 190.
+/// Largest squared gap (see squared_gap) of pose and velocity from their prediction: drives stay below 3,
+/// shakes below 25; kidnaps to a place that looks alike had 35 and 190.
 inline constexpr double kMostGap = 30;
 
 /// Welsch scale over sigma: 95 % efficient on Gaussian residuals.
 inline constexpr double kKernel = 2.1;
 
-/// Seconds without a scan in which a robot may do anything.
+/// Seconds without a trusted scan, after which the motion before them says little of the pose.
 inline constexpr double kMoment = 0.35;
 /// A robot that sees nothing is predicted at its last velocity for so long, then as standing.
 inline constexpr double kCoastSeconds = 3.0;
 
-// Points of a scan that tell whether it fits at all, and how the robot moved.
+// Points of a scan that are enough to test whether it fits at all, and to find the velocity.
 inline constexpr std::size_t kLookPoints = 400, kDeskewPoints = 800;
 
-/// How far an alignment looks for its surfaces: as far as the prediction may be off, or farther where it is
-/// not believed.
+/// Radius of the search for surfaces in an alignment: that of the prediction's error, or a wider one for a
+/// start that may be farther off.
 enum class Reach : std::int8_t { kNear, kFar };
 
-/// One alignment of a scan with the map, and what it is worth.
+/// One alignment of a scan with the map: pose, prior and quality.
 struct Attempt {
   ScanAlignment alignment;
   MotionPrior prior;
   std::optional<MovingPose>
-      told;  ///< by other sensors, for what the scene leaves open; else the prior's mean
+      told;  ///< by other sensors, along directions that the scene leaves open; else the prior's mean
   Health health;
-  double variance = 1;  ///< m^2, of a residual, its correlations counted in
-  /// Of its pose alone: of the data, less what errors of normals make of it, m^-2 and so on.
+  double variance = 1;  ///< m^2, of a residual, inflated by the correlation of residuals
+  /// Of the pose, from the data alone, less the part that errors of normals feign; 1/m^2 and 1/rad^2.
   Matrix6 information() const;
   /// Unexplained share of the scan.
   double cost() const { return 1.0 - health.overlap * (1.0 - health.energy); }
 };
 
-/// A local map, the motion within it, and what alignments with it usually cost: odometry without judgement.
-/// Who owns it decides what is believed. Its frame is where it was started.
+/// Odometry in a local map, with the usual energy of its alignments. It does not decide which alignment is
+/// accepted: its owner does. Its frame is the pose at which it was started.
 class Odometer {
  public:
   explicit Odometer(const TrackerConfig& config);
 
-  /// The scan becomes the map; the velocity is a guess, and may be anything.
+  /// The scan becomes the map; the velocity of `guess` has a wide covariance.
   void start(std::int64_t utime, const PreparedScan& scan, const MovingPose& guess);
-  /// Whether its sensor sees one plane only and moves in it. A start asks its scan.
+  /// Whether its sensor sees one plane only and moves in it. start() takes it from the scan.
   void set_planar(bool planar);
   bool planar() const { return map_.planar(); }
-  /// The map becomes what was archived around the `centres` (map frame): around each as much as it would be
-  /// around that alone. What is usual stays.
+  /// The map becomes the archived keyframes around the `centres` (map frame): around each as many as around
+  /// that one alone. The usual energy stays.
   void reload(const std::vector<ArchivedKeyframe>& archived, const std::vector<Eigen::Vector3d>& centres,
               double voxel);
 
-  /// What alignments cost where nothing was aligned yet, a map that was loaded: as they cost another odometer
-  /// of the same sensor. Without effect once it knows for itself.
+  /// Takes over the usual energy of another odometer of the same sensor, until something was aligned here, as
+  /// in a map that was loaded. Without effect afterwards.
   void take_usual_from(const Odometer& other);
 
-  /// Forgets what alignments cost here: the next one that is accepted says it anew.
+  /// Forgets the usual energy: it is learned again from the next alignments that are accepted.
   void forget_usual() { health_.forget(); }
 
   /// At rest there, the velocity unknown.
@@ -87,32 +87,33 @@ class Odometer {
   MotionPrior predict(double dt) const { return as_lately(filter_.predict(dt)); }
   MotionPrior predict(double dt, const Pose& motion) const { return as_lately(filter_.predict(dt, motion)); }
   Attempt align(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
-  /// The same with the far reach; of a planar scan, and after a gap, from other headings as well, where that
-  /// does not explain it as well as usual.
+  /// Aligns with the far reach; a planar scan, and any scan after a gap, also from other headings, unless the
+  /// first alignment explains it as well as usual.
   Attempt look_far(const PreparedScan& scan, const MotionPrior& prior);
-  /// The same where success is unlikely: a part of the points is tried first, and when that does not come
-  /// near to explaining itself, it is what comes back. An alignment that fails takes the longest of all.
+  /// Aligns where success is unlikely: with part of the points first, and where these are far from explained,
+  /// that is the result. (An alignment that fails takes longest.)
   Attempt probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
-  /// Of each source point of the last alignment, how far the map explains it: 1 on a surface, 0 off all.
+  /// For each source point of the last alignment its weight: 1 on a surface, 0 far from all.
   std::vector<float> explained() const;
   /// Edge, metres, of the cubes of a scene in which points share the errors of their surfaces.
   static double patch(const PreparedScan& scan);
-  /// Whether the next scan is that second one, for which an attempt with kDeskewPoints will do.
+  /// Whether the next scan is the second one, see deskew_first(): an attempt with kDeskewPoints is enough for
+  /// it.
   bool awaits_second() const { return !first_.points.empty(); }
-  /// Of a scan that may be that one: how many points it has for one of the first.
+  /// Ratio of the points of a scan, which may be the second one, to those of the first.
   double for_one_of_first(const PreparedScan& scan) const {
     return static_cast<double>(scan.fine.size()) / static_cast<double>(first_.points.size());
   }
-  /// Aligns with the first scan, after that one's own motion was taken out: possible only once a second one
-  /// shows the velocity, `dt` seconds later. Other attempts come back as they are. `any_speed`: of a vehicle;
-  /// else near the one predicted, or none.
+  /// Takes the motion out of the first scan, once a second one, `dt` seconds later, shows the velocity, and
+  /// aligns the second with it. Attempts of any other scan come back as they are. `any_speed`: the speeds of
+  /// a vehicle are tried; else those near the predicted one, and zero.
   Attempt deskew_first(const PreparedScan& scan, double dt, Attempt attempt, bool any_speed);
 
-  /// The state becomes the outcome, and its energy part of what is usual.
+  /// The state becomes the outcome, and its energy part of the history.
   void accept(const Attempt& attempt);
-  /// The state becomes the prediction: nothing was learnt.
+  /// The state becomes the prediction, without a measurement.
   void coast(const MotionPrior& prior);
-  /// Nothing was seen for long: it is predicted as standing from now on.
+  /// See MotionFilter::stand().
   void stand() { filter_.stand(); }
   /// The scan joins the map where it shows new ground.
   void keep(std::int64_t utime, const PreparedScan& scan, double overlap);
@@ -120,18 +121,19 @@ class Odometer {
   bool empty() const { return map_.empty(); }
   const LocalMap& map() const { return map_; }
   const MovingPose& state() const { return filter_.state(); }
-  /// Of state() against the map around the robot, as the next prediction needs it.
+  /// Of state() against the map around the robot; order and frame as in MotionPrior.
   const Matrix12& covariance() const { return filter_.covariance(); }
-  /// Of the pose alone, with what the motion within the scan adds.
+  /// Of the pose alone, with the error of the motion within the scan.
   Matrix6 pose_covariance() const;
   /// Of the map around the robot, against the frame in which it was started: order and frame as those of the
   /// pose in covariance().
   const Matrix6& drift() const { return drift_; }
   void set_drift(const Matrix6& drift) { drift_ = drift; }
-  /// What was added to it since the last call, in the same frame.
+  /// The part of drift() that was added since the last call, in the same frame.
   Matrix6 take_new_drift() { return std::exchange(new_drift_, Matrix6::Zero()); }
 
-  /// What alignments usually cost: a value, for another odometer of the same sensor.
+  /// The usual energy, noise and share of inliers of alignments: a value, for another odometer of the same
+  /// sensor.
   struct Usual {
     HealthMonitor health;
     double sigma = 0, share = 1;
@@ -170,20 +172,20 @@ class Odometer {
   double untold_ = 0;  ///< share of the map that was seen before any pose was measured
 };
 
-/// The score of a part of a scan beyond which the scan as a whole does not come below kJumpScore.
+/// The z-score of a part of a scan beyond which the whole scan does not come below kJumpScore: infeasible.
 inline constexpr double kHopelessScore = 2.0 * kJumpScore;
 
-/// Whether an alignment explains its scan: enough overlap, and an energy at most `most_score` above what is
-/// usual.
+/// Whether an alignment explains its scan: enough inliers and overlap, and a z-score of the energy below
+/// `most_score`.
 bool explains(const Attempt& attempt, double most_score);
 
-/// Whether the share of inliers is about the usual one: less is new ground, or another place.
+/// Whether the share of inliers is at least 0.8 of its running median: less is new ground, or another place.
 bool usual_share(const Health& health);
 
-/// The same scan with about so many points to align.
+/// The same scan with about `points` points to align.
 PreparedScan part_of(const PreparedScan& scan, std::size_t points);
 
-/// The one that leaves less unexplained.
+/// The attempt of lower cost().
 Attempt better(Attempt a, Attempt b);
 
 }  // namespace scanlock

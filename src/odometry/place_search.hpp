@@ -11,9 +11,9 @@
 
 namespace scanlock {
 
-/// The order in which a lost robot looks for its place: around where it was last believed to be, again when
-/// it has seen more, and from then on by turns there and everywhere else it has been, first where it looks
-/// most like what was seen since, on and on with ever longer pauses.
+/// The order of the searches for a lost robot: around its last trusted pose, again when it has seen more,
+/// then by turns there and around all other keyframes, those of the most similar signature first, with ever
+/// longer pauses.
 class PlaceSearch {
  public:
   /// Parts of the map in which a robot is looked for that nobody expects at a certain place.

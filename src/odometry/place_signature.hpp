@@ -10,18 +10,18 @@
 
 namespace scanlock {
 
-/// What surrounds a place, for telling which places to search first: how many points stand above the sensor
-/// in each cell of rings and sectors about it (a polar histogram, as Kim and Kim's scan context 2018 has of
-/// heights). What is lower, the ground, cars and people, is left out where something is higher: a
-/// planar sensor sees nothing that is. It does not depend on the heading, and little on the sensor.
+/// A descriptor of a keyframe, for sorting the places to search: the number of points above the sensor in
+/// each cell of rings and sectors around it (a polar histogram, as scan context, Kim and Kim 2018, is of
+/// heights). Points below the sensor (ground, cars, people) count only where there are none above it, as for
+/// a planar sensor. similarity() does not depend on the heading, and little on the sensor.
 class PlaceSignature {
  public:
-  static constexpr double kReach = 60.0;  ///< metres: what is farther off does not count
+  static constexpr double kReach = 60.0;  ///< metres: points farther off do not count
 
   /// `points`: relative to the sensor; `level` turns them so that z is up.
   PlaceSignature(const PointCloud& points, const Eigen::Matrix3f& level);
 
-  /// The cosine of the two at the heading where they are most alike: 0 to 1; 0 where one is empty.
+  /// The largest cosine of the two descriptors over all headings: 0 to 1; 0 where one is empty.
   double similarity(const PlaceSignature& other) const;
 
  private:

@@ -11,14 +11,14 @@
 
 namespace scanlock {
 
-/// What another sensor says of one instant. Frames are the other sensor's own; body is the robot's.
+/// Measurements of other sensors at one instant. Frames are those sensors' own; body is the robot's.
 struct PriorSample {
   std::optional<Pose> odometry;                       ///< local_from_body
-  std::optional<Eigen::Quaterniond> level_from_body;  ///< attitude; only roll and pitch mean something
+  std::optional<Eigen::Quaterniond> level_from_body;  ///< attitude; its heading is not used
 };
 
-/// The recent stamped poses of another sensor, for asking where it was at the stamp of a scan. A plain value
-/// of what was added: no clock. Bounded.
+/// The recent stamped poses of another sensor, interpolated at the stamps of scans. Depends on the poses
+/// added alone, not on a clock. Bounded.
 class PriorBuffer {
  public:
   enum class Addition : std::int8_t {
@@ -31,15 +31,15 @@ class PriorBuffer {
   Addition add(std::int64_t utime, const Pose& pose);
 
   enum class Absence : std::int8_t {
-    kNone,     ///< there is an answer
-    kNever,    ///< nothing ever came
-    kStale,    ///< nothing came near that instant
-    kShifted,  ///< they come, but stamped over a second off: two clocks
+    kNone,     ///< there is a pose
+    kNever,    ///< no pose was ever added
+    kStale,    ///< no pose near that instant
+    kShifted,  ///< poses are added, but stamped over a second off: two clocks
   };
   struct Answer {
     std::optional<Pose> pose;
     Absence absence = Absence::kNone;
-    double offset_s = 0;  ///< the newest stamp against the instant asked for
+    double offset_s = 0;  ///< the newest stamp minus the instant asked for
   };
   /// The pose at `utime`: between two samples that are less than half a second apart, or at most 0.1 s after
   /// the newest.

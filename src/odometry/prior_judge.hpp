@@ -11,18 +11,19 @@
 
 namespace scanlock {
 
-/// Turns what other sensors say of the body into priors for the tracker, which follows the LiDAR, and
-/// compares them with what the scans showed. A source that contradicts the scans again and again is withheld
-/// until it agrees again: one strike for each scan that contradicts, one back for each that agrees.
+/// The consistency check of auxiliary odometry and attitude: turns their measurements of the body into priors
+/// of the sensor, and compares each with the tracked scan. A source that contradicts the scans is withheld
+/// after some strikes, and until it agrees again: one strike for each scan that it contradicts, one back for
+/// each that it agrees with.
 class PriorJudge {
  public:
   explicit PriorJudge(const Pose& body_from_sensor) : body_from_sensor_(body_from_sensor) {}
 
-  /// For the scan that `sample` was taken for.
+  /// The prior for the scan at which `sample` was taken.
   ScanPrior prior(const PriorSample& sample) const;
 
-  /// What the tracker made of that scan; as the tracker reports it, of the sensor. Returns a sentence when a
-  /// source lost or regained its trust.
+  /// The tracked scan of that sample, as the tracker reports it, of the sensor. Returns a sentence when a
+  /// source has become withheld or trusted.
   std::optional<std::string> learn(const PriorSample& sample, const TrackedScan& tracked);
 
   std::int64_t contradictions() const { return motion_.contradictions + level_.contradictions; }

@@ -16,18 +16,18 @@
 
 namespace scanlock {
 
-/// A part of a map to look for a place in.
+/// A part of a map in which a pose is searched for.
 struct SearchTarget {
   std::vector<ArchivedKeyframe> places;              ///< of the whole map
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of the part, map frame
-  double source_radius = 0;                          ///< metres: of what is looked for
+  double source_radius = 0;                          ///< metres: of the source cloud
   double radius = 0;                                 ///< metres about the centre
   double voxel = 0;                                  ///< metres
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();     ///< in the map frame
 };
 
-/// Where is this? The recent scans as one cloud, and the part of the map to look for it in. A value: it can
-/// be worked on by another thread while the tracker goes on.
+/// A global search: the recent scans as one cloud, and the part of the map in which to find their pose. A
+/// value: it can be worked on by another thread while the tracker goes on.
 struct RecoveryRequest {
   std::int64_t serial = 0;
   std::int64_t utime = 0;  ///< microseconds, stamp of the newest scan in `source`

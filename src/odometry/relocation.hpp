@@ -18,10 +18,10 @@
 
 namespace scanlock {
 
-/// What a tracker does whose map does not explain what it sees: it goes on by an excursion from the first
-/// scan that it distrusts, tries where it must be if it was only blinded, asks for searches of its place,
-/// and believes a place only after the scans that follow have decided between all that come into question.
-/// The odometer is the tracker's: its map stays as it is, its state follows the excursion.
+/// Relocalisation, from the first scan that the tracker does not trust: lost-mode odometry (Excursion), local
+/// relocalisation near the prediction and the last trusted pose, requests for global searches, and the test
+/// of the hypotheses on the scans that follow (Contest). The odometer is the tracker's: its map stays as it
+/// is, its state follows the excursion.
 class Relocation {
  public:
   enum class Outcome : std::int8_t {

@@ -10,18 +10,17 @@
 
 namespace scanlock {
 
-/// How far a sensor saw in which direction: the nearest and the farthest that is in a cell of two degrees or
-/// in those around it.
+/// Range image of a scan: the smallest and the largest range in each cell of two degrees and the eight around
+/// it.
 class ScanView {
  public:
   ScanView() = default;
-  /// `points` as they are from the sensor, which is the origin.
+  /// `points` relative to the sensor.
   explicit ScanView(const PointCloud& points);
 
-  /// Of the points that another sensor saw (in its frame), the share that cannot be there, if both saw what
-  /// they saw: this one looks through where they are, or what hides them from this one, the other one looked
-  /// through. What comes into view, or goes out of it, behind an edge is no contradiction, however far the
-  /// two stand apart; nor is what one of them did not look at.
+  /// The share of the points of another scan (in its frame) that this range image contradicts: its rays pass
+  /// through them, or the surface that hides them here is in free space of the other range image. Points that
+  /// an edge hides or uncovers, and directions that one of the two did not see, contradict nothing.
   double contradicted_share(const PointCloud& points, const Pose& here_from_there,
                             const ScanView& there) const;
 

@@ -10,26 +10,27 @@
 
 namespace scanlock {
 
-/// Where a body was for sure, when, and what it saw there.
+/// A trusted pose of the body, its time, and the scan there.
 struct Sighting {
   Pose map_from_body = Pose::Identity();
   std::int64_t utime = 0;           ///< microseconds
-  Vector6 twist = Vector6::Zero();  ///< the motion that bends what follows
-  PointCloud source, rays;          ///< of the scan, as they came; empty where it is no witness
+  Vector6 twist = Vector6::Zero();  ///< velocity, which distorts the points below
+  PointCloud source,
+      rays;  ///< of the scan, not deskewed; without rays no later scan is compared with this one
 };
 
 Sighting sighting(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving);
 
-/// How much of two scans in a row cannot have been seen from where they are said to be (0 to 1), whatever a
-/// map knows of either: the larger of the shares of the one that the other one says is not there. Some
-/// hundredths in streets with traffic, through doors and in shakes, more while a lorry passes close by, and
-/// 0.15 and more at another place that looks the same. 0 after more than four seconds, in which too much may
-/// have changed, and of planar sensors, whose few points say too little.
+/// Contradiction of two scans in a row at their poses, without a map: the larger of the two shares of points
+/// of the one scan that the range image of the other contradicts (0 to 1). Some hundredths in streets with
+/// traffic, through doors and in shakes, more while a lorry passes close by, and 0.15 and more at another
+/// place that looks the same. 0 after more than four seconds, in which too much may have changed, and for
+/// planar sensors, which have too few points.
 double contradiction(const Sighting& before, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& now);
-/// More is not seen from two places so near each other, unless something large moves.
+/// Largest contradiction of two scans at right poses, unless something large moves.
 inline constexpr double kMostContradiction = 0.1;
-/// The same where nothing was seen for more than a moment: then nothing that passes by has to be let pass.
+/// The same after more than kMoment without a trusted scan: a kidnap is then likelier than a passing lorry.
 inline constexpr double kMostContradictionAfterGap = 0.05;
 
 }  // namespace scanlock

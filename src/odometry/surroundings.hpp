@@ -9,13 +9,13 @@
 
 namespace scanlock {
 
-/// What a robot sees around it, and how it got to know: what a search for its place goes by.
+/// The input of a search for the robot's pose: the map of what it has seen lately, and its pose there.
 struct Surroundings {
   const LocalMap& map;
   Pose map_from_body = Pose::Identity();
-  double scene = 0;                   ///< metres, the mean reach of what sees it (see ArchivedKeyframe)
-  int scans = 0;                      ///< that the map was made from
-  std::optional<Eigen::Vector3d> up;  ///< as an attitude sensor measured it, axes of the map
+  double scene = 0;  ///< metres, the mean reach of the keyframes there (see ArchivedKeyframe)
+  int scans = 0;     ///< from which the map was made
+  std::optional<Eigen::Vector3d> up;  ///< upward direction by an attitude sensor, axes of the map
 };
 
 }  // namespace scanlock

@@ -11,7 +11,7 @@
 
 namespace scanlock {
 
-/// What a pose is worth. The numbers are part of the message contract.
+/// The quality of a pose. The numbers are part of the message contract.
 enum class TrackingState : std::int8_t {
   kInitialising = 0,  ///< no map yet
   kTracking = 1,      ///< aligned with the map
@@ -25,7 +25,7 @@ enum class TrackingState : std::int8_t {
 };
 const char* to_string(TrackingState state);
 
-/// How the pose of a scan came about.
+/// The source of the pose of a scan.
 enum class PoseMethod : std::int8_t { kNone = 0, kIcp = 1, kGlobal = 2, kPredicted = 3 };
 const char* to_string(PoseMethod method);
 
@@ -39,8 +39,8 @@ enum class StopReason : std::int8_t {
 };
 const char* to_string(StopReason reason);
 
-/// What became of a scan. After one with a bad stamp the tracker is as before; after an empty one the pose is
-/// predicted.
+/// Whether a scan was used. A rejected stamp leaves the state of the tracker as it was; for an empty scan the
+/// pose is predicted.
 enum class ScanVerdict : std::int8_t {
   kTracked = 0,
   kEmpty = 1,          ///< too few finite points within the range limits
@@ -50,7 +50,7 @@ enum class ScanVerdict : std::int8_t {
 };
 const char* to_string(ScanVerdict verdict);
 
-/// The end of one attempt to come back, and what it was decided by.
+/// The end of one attempt at relocalisation, or a loop closure, and its evidence.
 struct Recovery {
   RecoveryAnswer search;
   bool accepted = false;
@@ -58,16 +58,16 @@ struct Recovery {
   std::string reason;                          ///< why, in words
   std::uint32_t epoch = 0;                     ///< that an acceptance begins
   Pose map_from_body = Pose::Identity();       ///< at the scan it is reported with
-  Pose map_from_predicted = Pose::Identity();  ///< what was found to be wrong with the poses before
+  Pose map_from_predicted = Pose::Identity();  ///< correction of the poses before
   double energy_before = 1;                    ///< of the scan that was lost, 0 to 1
   double energy_after = 1;                     ///< at the place found, after refinement
 };
 
-/// What one scan led to. Frames: `map` is where the first scan stood; `body` is the sensor at the stamp.
+/// The result of one scan. Frames: `map` is the pose of the first scan; `body` is the sensor at the stamp.
 struct TrackedScan {
   std::int64_t utime = 0;
   ScanVerdict verdict = ScanVerdict::kTracked;
-  std::string why;  ///< the scan was not used, in words; empty where it was
+  std::string why;  ///< the reason why the scan was not used, in words; else empty
   TrackingState state = TrackingState::kInitialising;
   PoseMethod method = PoseMethod::kNone;
   StopReason stop_reason = StopReason::kNone;
@@ -79,14 +79,14 @@ struct TrackedScan {
       Matrix6::Zero();  ///< of the pose, right perturbation: T exp(xi), order [u; phi], in the body frame
   std::uint32_t degenerate_axes = 0;  ///< bit 0..2: x y z translation, 3..5: rotation about x y z (body axes)
   std::uint32_t epoch = 0;            ///< counts the jumps of the map frame
-  bool localised = true;              ///< false: a map was loaded, and no place in it is believed so far
+  bool localised = true;  ///< false: a map was loaded, and the robot has not been found in it so far
   /// The clock of the scans stepped: the stamp of the last scan by the old one, microseconds.
   std::optional<std::int64_t> clock_step_from;
-  bool interleaved = false;    ///< rejected as many before it: they advance as a clock of their own
+  bool interleaved = false;    ///< the scans rejected lately have stamps of one other clock: two publishers
   int iterations = 0;          ///< of the alignment
   int points_in = 0;           ///< points of the scan as it came
   int points_used = 0;         ///< source points of the alignment
-  int inliers = 0;             ///< of those, the ones that found their surface
+  int inliers = 0;             ///< of those, within three scales of their surface
   double energy = 0;           ///< mean Welsch energy per source point at a fixed scale, 0 to 1
   double energy_baseline = 0;  ///< its recent median
   double energy_score = 0;     ///< robust z-score of the energy against its history
@@ -94,7 +94,7 @@ struct TrackedScan {
   int map_points = 0;
   int loop_closures = 0;               ///< accepted so far
   std::optional<std::uint32_t> stamp;  ///< see PoseHistory; none where no history is kept
-  std::optional<Recovery> recovery;    ///< one came to its end with this scan
+  std::optional<Recovery> recovery;    ///< the attempt that ended with this scan
 };
 
 }  // namespace scanlock

@@ -4,37 +4,30 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <utility>
 
 #include "geometry/angles.hpp"
 #include "geometry/moved_cloud.hpp"
+#include "odometry/alignment_check.hpp"
 #include "odometry/join.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/relocation.hpp"
-#include "odometry/scan_clock.hpp"
 #include "odometry/scan_preparation.hpp"
+#include "odometry/timeline.hpp"
 #include "odometry/tracking_promise.hpp"
 
 namespace scanlock {
 namespace {
 
-constexpr double kMicro = 1e-6;
-
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
-// From the prediction the far look reaches where the robot was last seen, when that is within this share of
-// the median range, and this turn.
+// Share of the median range, and angle, that an alignment with the far reach covers around its start.
 constexpr double kWithinReach = 0.08, kWithinTurn = 5.0 * kDegree;
-constexpr double kUnusualGap = 10;  // what kMostGap is, for a robot that is not trusted
-constexpr double kStrayGap =
-    1;  // lorries close by have 0.5, kidnaps that nothing else tells of mostly 6 and more
-constexpr double kDegradedShare = 0.4;            // of the points of a scan: fewer are explained
-constexpr int kQuietScans = 5;                    // after that, before the map may grow
-constexpr int kAttitudes = 100;                   // that the upward direction is averaged over
-constexpr std::int64_t kAnotherRun = 3600000000;  // microseconds
-constexpr double kCovered = 0.5;  // of the first two scans: one has so few points for the other
-constexpr int kFalseStarts = 3;   // scans that do not fit the first one: it was no good
+constexpr double kDegradedShare = 0.4;  // of the points of a scan: with fewer inliers it is DEGRADED
+constexpr int kQuietScans = 5;          // after a relocalisation, in which the map does not grow
+constexpr int kAttitudes = 100;         // that the upward direction is averaged over
+constexpr double kCovered = 0.5;        // least ratio of the points of the first two scans
+constexpr int kFalseStarts = 3;         // scans that do not fit the first one, which is then replaced
 
 Eigen::Vector3d up_in_body(const ScanPrior& hints) {
   return hints.level_from_body->conjugate() * Eigen::Vector3d::UnitZ();
@@ -49,31 +42,26 @@ struct Tracker::State {
   VoxelScale scale;
   std::unique_ptr<Odometer> odometer;
   KeyframeArchive archive;
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  // in the map frame
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  // in the own frame
   int attitudes = 0;                              // that `up` is the mean of
 
   TrackingState state = TrackingState::kInitialising;
   std::uint32_t epoch = 0;
-  double moved_away = 0;     // metres along x, the submaps before it
-  std::uint32_t submap = 0;  // counts those that the robot began
-  ScanClock clock;
-  std::int64_t last_utime = 0;  // stamp
-  // Microseconds that advance whatever the stamps do; they are the stamps, until the clock steps.
-  std::int64_t now = 0;
-  double dt = 0, most_dt = 0;  // seconds since the scan before: a guess, and at most, where the clock stepped
-  bool timed = false, begun = false;
-  // Everything below works in a frame of its own, that of the first scan: where the map has its origin, and
-  // how it is turned, must not matter. What goes in and out is moved.
+  double moved_away = 0;     // metres along -x that earlier submaps were moved when the last one began
+  std::uint32_t submap = 0;  // that the robot is in, counted from 0
+  Timeline time;
+  bool begun = false;  // with a scan that has enough points
+  // All poses of the state are in the own frame, that of the first scan, so that the result does not depend
+  // on the origin and heading of the map's frame. Inputs and outputs are transformed.
   Pose map_from_own = Pose::Identity();
-  Pose start_pose = Pose::Identity();  // of the first scan, in the own frame
   Pose local_from_own = Pose::Identity();
-  bool jumped = false;  // in it, since the last keyframe was archived
+  bool jumped = false;  // the pose in the own frame, since the last keyframe was archived
 
-  Sighting last_trusted;
-  int distrusted_scans = 0;  // in a row
-  bool open = false;  // before them its place was not known, as in a tunnel: there is none to come back to
-  bool looks_alike = false;  // one of them fits, but the last trusted one says that it is of another place
-  int quiet_scans_left = 0;
+  AlignmentCheck check;
+  // At the last trusted scan its position was not known along some axis, as in a tunnel: once it is lost
+  // there is no place to come back to.
+  bool open = false;
+  int quiet_scans_left = 0;  // see kQuietScans
 
   Relocation relocation;
 
@@ -90,40 +78,32 @@ struct Tracker::State {
 
   // ---- on known ground
 
-  /// Where the robot should be by now: by its velocity, or by what its odometry says it has moved.
+  /// Crops and thins the scan; one with too few points is reported as empty.
+  PreparedScan prepare(const Scan& scan, TrackedScan* tracked) {
+    const double min_range = is_planar(scan.points) ? config.planar_min_range_m : config.min_range_m;
+    const CroppedScan cropped = crop(scan.points, min_range, config.max_range_m);
+    PreparedScan prepared = thin_scan(scan.points, cropped, &scale, !begun, config.max_source_points);
+    tracked->points_used = static_cast<int>(prepared.source.size());
+    if (prepared.source.size() < kLeastPoints) {
+      tracked->verdict = ScanVerdict::kEmpty;
+      tracked->why = why_too_few(scan.points, cropped, min_range, config.max_range_m);
+    }
+    finished(Stage::kPreprocess);
+    return prepared;
+  }
+
+  /// The predicted state at this scan: by the velocity, or by the motion that another sensor measured.
   MotionPrior predict(const ScanPrior& hints = {}) const {
     const auto after = [&](double seconds) {
       return hints.motion ? odometer->predict(seconds, *hints.motion) : odometer->predict(seconds);
     };
-    MotionPrior prior = after(dt);
-    if (most_dt > dt) prior.information = after(most_dt).information;
+    MotionPrior prior = after(time.elapsed_s());
+    if (time.most_elapsed_s() > time.elapsed_s())
+      prior.information = after(time.most_elapsed_s()).information;
     return prior;
   }
 
-  /// Takes the stamp of a scan; false where it is not one of the clock.
-  bool take_time(const Scan& scan, TrackedScan* tracked) {
-    const ScanClock::Reading reading = clock.read(scan);
-    if (!clock.accepts(reading.verdict)) {
-      tracked->verdict = reading.verdict == ScanClock::Verdict::kDuplicate  ? ScanVerdict::kDuplicateTime
-                         : reading.verdict == ScanClock::Verdict::kBackward ? ScanVerdict::kBackwardTime
-                                                                            : ScanVerdict::kOtherClock;
-      tracked->why = std::string(to_string(tracked->verdict)) + ", the scan before it has " +
-                     std::to_string(reading.last_utime) +
-                     (scan.stamped_by_arrival ? "; it has no stamp" : "");
-      tracked->interleaved = reading.interleaved;
-      return false;
-    }
-    if (reading.verdict == ScanClock::Verdict::kStepped) tracked->clock_step_from = reading.last_utime;
-    now = !timed ? std::max(now, scan.utime)
-                 : now + static_cast<std::int64_t>(std::llround(reading.most_elapsed_s / kMicro));
-    timed = true;
-    last_utime = scan.utime;
-    dt = begun ? reading.elapsed_s : 0.0;
-    most_dt = begun ? reading.most_elapsed_s : 0.0;
-    return true;
-  }
-
-  /// Keeps which way is up in the map, from the attitudes that come with trusted scans.
+  /// Updates the mean upward direction of the map with the attitude at a trusted scan.
   void note_attitude(const ScanPrior& hints) {
     if (!hints.level_from_body) return;
     const Eigen::Vector3d seen = odometer->state().pose.linear() * up_in_body(hints);
@@ -131,145 +111,109 @@ struct Tracker::State {
     up = (up + (seen - up) / attitudes).normalized();
   }
 
+  /// The scan becomes the map.
   void start(const PreparedScan& scan) {
-    odometer->start(now, scan, {start_pose, Vector6::Zero()});
-    last_trusted = Sighting();
-    last_trusted.map_from_body = start_pose;
-    last_trusted.utime = now;
-    distrusted_scans = 0;
+    const Pose here = check.last().map_from_body;
+    odometer->start(time.now(), scan, {here, Vector6::Zero()});
+    check.restart(here, time.now());
     state = TrackingState::kInitialising;
   }
 
-  /// The prior is strong where the robot does what it did; where that does not explain the scan, it is let go
-  /// once and a wider kernel tried, from the prediction and from where the robot was last seen.
+  /// Aligns from the prediction. Where that does not explain the scan: once more with a loosened prior and
+  /// the far reach, from the prediction and from the last trusted pose.
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
-    if (distrusted_scans > 0) return odometer->probe(scan, prior, Reach::kNear);
+    if (check.distrusted_scans() > 0) return odometer->probe(scan, prior, Reach::kNear);
     Attempt best = odometer->align(scan, prior, Reach::kNear);
     // After a gap the heading may be another, and rooms look alike once turned.
     if (explains(best, kFitScore) && (unseen_s() < kMoment || usual_share(best.health))) return best;
-    // A far look is dear, and a part of the points will do for it: the next scan must not wait.
+    // The far reach takes long, and part of the points is enough for it: the next scan must not wait.
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);
     Attempt far = odometer->look_far(part, loose);
-    const bool moved =
-        !near(prior.mean.pose, last_trusted.map_from_body, kWithinReach * scan.median_range, kWithinTurn);
+    const Pose& last_pose = check.last().map_from_body;
+    const bool moved = !near(prior.mean.pose, last_pose, kWithinReach * scan.median_range, kWithinTurn);
     if (moved && !explains(far, kJumpScore)) {
-      loose.mean = {last_trusted.map_from_body, Vector6::Zero()};
+      loose.mean = {last_pose, Vector6::Zero()};
       far = better(std::move(far), odometer->look_far(part, loose));
     }
     far.prior = prior;
-    if (explains(far, kHopelessScore) && plausible(far)) {
+    if (explains(far, kHopelessScore) && check.is_plausible(far)) {
       loose.mean = far.alignment.moving;
       Attempt again = odometer->align(scan, loose, Reach::kNear);
       again.prior = prior;
-      // A scan of new ground costs more than its like did, and some motion that nobody makes always costs
-      // less.
-      if (plausible(again)) best = better(std::move(best), std::move(again));
+      // A scan of new ground costs more than those before it, and some impossible motion always costs less.
+      if (check.is_plausible(again)) best = better(std::move(best), std::move(again));
     }
     return best;
   }
 
-  /// Seconds since a scan was trusted.
-  double unseen_s() const { return kMicro * static_cast<double>(now - last_trusted.utime); }
+  /// Seconds since the last trusted scan.
+  double unseen_s() const { return time.since_s(check.last().utime); }
 
-  static double gap(const Attempt& attempt) { return squared_gap(attempt.prior, attempt.alignment.moving); }
-
-  /// Whether the robot can have come there, as far as its motion is known: a place that explains the scan may
-  /// be another that looks the same. Where much of the scan is left unexplained, by new ground or by another
-  /// place, it has to be where it was predicted.
-  bool plausible(const Attempt& attempt) const {
-    if (gap(attempt) > (distrusted_scans > 0 ? kUnusualGap : kMostGap)) return false;
-    const Matrix6 covariance = pose_covariance(attempt.prior);
-    const double metres = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
-    const double radians = std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
-    const Pose &found = attempt.alignment.moving.pose, &predicted = attempt.prior.mean.pose;
-    if (usual_share(attempt.health))
-      return near(found, predicted, 1.0 + 5.0 * metres, 10.0 * kDegree + 5.0 * radians);
-    return near(found, predicted, 0.1 + 2.0 * metres, 2.0 * kDegree + 2.0 * radians);
-  }
-
-  bool trusted(const Attempt& attempt) const {
-    const bool wary = distrusted_scans > 0 && state != TrackingState::kInitialising;
-    if (explains(attempt, wary ? kCalmScore : kJumpScore)) return plausible(attempt);
-    // At the edge of new ground a scan costs more, though all of it is there and nothing moved in any other
-    // way.
-    return !wary && explains(attempt, kHopelessScore) && usual_share(attempt.health) &&
-           gap(attempt) < kUnusualGap;
-  }
-
-  /// Another place explains a scan about as well at times, but does not look the same in every direction from
-  /// one scan to the next. What passes close by hides as much, but neither puts the robot aside of its way
-  /// nor costs much. After a gap the motion says little of where it can be, and this test alone tells a
-  /// kidnap: gaps of 0.6 to 2.2 s in streets, rooms and woods left at most 0.03, kidnaps in a gap of 0.5 s
-  /// 0.37 to 0.49. The motion of the first few scans is not known well enough to say.
-  bool only_looks_alike(const PreparedScan& scan, const Attempt& attempt) const {
-    const bool after_gap = unseen_s() > kMoment;
-    const double most = after_gap ? kMostContradictionAfterGap : kMostContradiction;
-    const bool strange = after_gap || looks_alike || gap(attempt) > kStrayGap ||
-                         attempt.health.score > kCalmScore || !usual_share(attempt.health);
-    return strange && !attempt.health.young &&
-           contradiction(last_trusted, now, scan, attempt.alignment.moving) > most;
-  }
-
+  /// A scan of a robot that is not lost: predict, align, decide, fuse.
   void track_on(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
     MotionPrior prior = predict();
-    if (odometer->awaits_second()) {  // of a pair of which one is covered the motion of neither follows
+    if (odometer->awaits_second()) {  // from two scans of which one is covered no motion follows
       const double more = odometer->for_one_of_first(scan);
       if (more < kCovered || more * kCovered > 1) {
         describe({}, PoseMethod::kPredicted, tracked);
-        coast(prior);
-        if (more > 1 || distrusted_scans >= kFalseStarts) start(scan);
+        distrust(prior);
+        if (more > 1 || check.distrusted_scans() >= kFalseStarts) start(scan);
         return;
       }
     }
-    Attempt attempt = odometer->deskew_first(scan, dt, align_or_retry(scan, prior), true);
-    if (hints.motion && !trusted(attempt)) {  // what others say is asked where the scans do not suffice
+    Attempt attempt = odometer->deskew_first(scan, time.elapsed_s(), align_or_retry(scan, prior), true);
+    if (hints.motion && !trusted(attempt)) {  // the other sensors decide only where the scans do not suffice
       prior = predict(hints);
       Attempt hinted = odometer->align(scan, prior, Reach::kNear);
       if (trusted(hinted)) attempt = std::move(hinted);
     }
     const bool fits = trusted(attempt);
-    const bool alike = fits && only_looks_alike(scan, attempt);
+    const bool contradicted = fits && check.is_contradicted(time.now(), scan, attempt);
     finished(Stage::kAlign);
-    if (fits && !alike) {
+    if (fits && !contradicted) {
       if (hints.motion) attempt.told = predict(hints).mean;
-      believe(scan, attempt);
+      trust(scan, attempt);
       describe(attempt, PoseMethod::kIcp, tracked);
       return;
     }
-    looks_alike = looks_alike || alike;
     describe(attempt, PoseMethod::kPredicted, tracked);
-    coast(prior);
+    distrust(prior, contradicted);
     if (state == TrackingState::kInitialising) {
-      if (distrusted_scans >= kFalseStarts) start(scan);
+      if (check.distrusted_scans() >= kFalseStarts) start(scan);
       return;
     }
-    relocation.distrust(now, dt, scan, *odometer, attempt.health.energy);
+    relocation.distrust(time.now(), time.elapsed_s(), scan, *odometer, attempt.health.energy);
     if (relocation.lost() && open) begin_submap(scan, tracked);
   }
 
-  void believe(const PreparedScan& scan, const Attempt& attempt) {
-    odometer->accept(attempt);
-    distrusted_scans = 0;
-    looks_alike = false;
-    open = unknown_axes(odometer->pose_covariance(), kOnTheGround, kSamePlace, kSameHeading) != 0;
-    last_trusted = sighting(now, scan, odometer->state());
-    // What the map explains little of, a crowd or dust, may be gone the next moment.
-    if (attempt.health.share < kDegradedShare) last_trusted.rays = {};
-    state = TrackingState::kTracking;
-    relocation.end();
-    if (quiet_scans_left > 0) {
-      --quiet_scans_left;
-      return;
-    }
-    odometer->keep(now, scan, attempt.health.share);
-    if (archive.wants(now, last_trusted.map_from_body.translation(), scan.median_range))
-      archive.add(now, last_trusted.map_from_body, scan.median_range,
-                  deskewed(scan.source, odometer->state()), tie());
-    archive.note_stand(last_trusted.map_from_body);
+  bool trusted(const Attempt& attempt) const {
+    return check.is_trusted(attempt, state == TrackingState::kInitialising);
   }
 
-  /// By odometry to the keyframe before; after a jump by the alignment of now to the one nearest by.
+  void trust(const PreparedScan& scan, const Attempt& attempt) {
+    odometer->accept(attempt);
+    open = unknown_axes(odometer->pose_covariance(), kOnTheGround, kSamePlace, kSameHeading) != 0;
+    // What the map explains little of, a crowd or dust, may be gone the next moment.
+    check.trust(time.now(), scan, odometer->state(), attempt.health.share >= kDegradedShare);
+    state = TrackingState::kTracking;
+    relocation.end();
+    if (quiet_scans_left > 0)
+      --quiet_scans_left;
+    else
+      keep(scan, attempt.health.share);
+  }
+
+  void keep(const PreparedScan& scan, double share) {
+    odometer->keep(time.now(), scan, share);
+    const Pose& here = odometer->state().pose;
+    if (archive.wants(time.now(), here.translation(), scan.median_range))
+      archive.add(time.now(), here, scan.median_range, deskewed(scan.source, odometer->state()), tie());
+    archive.note_stand(here);
+  }
+
+  /// The constraint of a new keyframe: by odometry to the one before; after a jump, by the alignment of this
+  /// scan, to the nearest one.
   std::optional<Constraint> tie() {
     const Matrix6 drift = odometer->take_new_drift();
     if (archive.empty()) return std::nullopt;
@@ -281,20 +225,21 @@ struct Tracker::State {
     return tie_to(before, here, covariance);
   }
 
-  /// Poses in the map went from one to another without any motion.
+  /// The pose in the own frame changed by other than motion: the local frame does not jump with it.
   void jump(const Pose& from, const Pose& to) {
     local_from_own = renormalised(local_from_own * from * to.inverse());
   }
 
-  /// Nothing was learnt: the prediction stands in, and is not believed for long.
-  void coast(const MotionPrior& prior) {
-    coast_blind(prior);
-    ++distrusted_scans;
-    if (state != TrackingState::kInitialising && !relocation.lost() && distrusted_scans > 1) lose();
+  /// The prediction stands in for a scan that is not trusted; after two such scans in a row the robot is
+  /// lost.
+  void distrust(const MotionPrior& prior, bool contradicted = false) {
+    check.distrust(contradicted);
+    coast(prior);
+    if (state != TrackingState::kInitialising && !relocation.lost() && check.distrusted_scans() > 1) lose();
   }
 
-  /// The same where there is nothing to learn from, as in a gap between scans.
-  void coast_blind(const MotionPrior& prior) {
+  /// The prediction stands in for a scan without points.
+  void coast(const MotionPrior& prior) {
     odometer->coast(prior);
     const bool long_ago = unseen_s() > kCoastSeconds;
     if (long_ago) odometer->stand();
@@ -305,10 +250,12 @@ struct Tracker::State {
 
   // ---- lost
 
+  /// A scan of a lost robot: followed by lost-mode odometry until it is relocalised, or begins a submap.
   void track_lost(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
-    if (!relocation.has_excursion()) coast(predict());
+    if (!relocation.has_excursion()) distrust(predict());
     Attempt attempt;
-    const Relocation::Outcome outcome = relocation.follow(now, dt, scan, *odometer, &attempt);
+    const Relocation::Outcome outcome =
+        relocation.follow(time.now(), time.elapsed_s(), scan, *odometer, &attempt);
     if (hints.level_from_body) relocation.note_up(up_in_body(hints));
     finished(Stage::kAlign);
     if (outcome == Relocation::Outcome::kLost) {
@@ -320,7 +267,7 @@ struct Tracker::State {
     }
     const bool found = outcome == Relocation::Outcome::kFound;
     if (found) ++epoch;
-    // On new ground it must grow at once, or the robot has left it.
+    // On new ground the map must grow at once, or the robot has left it.
     quiet_scans_left = usual_share(attempt.health) ? kQuietScans : 0;
     // The next scans cost what this one does: in a map of archived keyframes, which are thinner, or on new
     // ground that is more than before.
@@ -331,13 +278,13 @@ struct Tracker::State {
     if (relocation.map_of_several())
       odometer->reload(archive.keyframes(), {attempt.alignment.moving.pose.translation()}, scale.current(0));
     jumped = true;
-    believe(scan, attempt);
+    trust(scan, attempt);
     jump(predicted, odometer->state().pose);
     describe(attempt, found ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
   }
 
-  /// What was seen since the robot got lost is its map from now on. Where its pose was open it has not
-  /// jumped: that is as uncertain as before.
+  /// The map of lost-mode odometry is the active submap from now on. Where the position was open, the pose
+  /// has not jumped, and is as uncertain as before.
   void begin_submap(const PreparedScan& scan, TrackedScan* tracked) {
     Excursion& excursion = relocation.excursion();
     const Matrix6 uncertain = odometer->pose_covariance() + odometer->drift();
@@ -350,15 +297,13 @@ struct Tracker::State {
       odometer->set_drift(uncertain);
     else
       ++epoch;
-    attitudes = 0;
-    up = Eigen::Vector3d::UnitZ();
-    jumped = looks_alike = false;
-    distrusted_scans = quiet_scans_left = 0;
-    last_trusted = sighting(now, scan, odometer->state());
+    jumped = false;
+    quiet_scans_left = 0;
+    check.trust(time.now(), scan, odometer->state(), true);
     state = TrackingState::kTracking;
   }
 
-  void lose() { relocation.begin(*odometer, last_trusted, looks_alike, archive); }
+  void lose() { relocation.begin(*odometer, check.last(), check.looks_alike(), archive); }
 
   // ---- reporting
 
@@ -413,28 +358,18 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
   tracked.utime = scan.utime;
   tracked.points_in = static_cast<int>(scan.points.size());
   State& s = *state_;
-  if (!s.take_time(scan, &tracked)) {
+  if (!s.time.take(scan, &tracked)) {
     tracked.state = s.reported_state();
     return tracked;
   }
-
-  const double min_range = is_planar(scan.points) ? s.config.planar_min_range_m : s.config.min_range_m;
-  const CroppedScan cropped = crop(scan.points, min_range, s.config.max_range_m);
-  const PreparedScan prepared =
-      thin_scan(scan.points, cropped, &s.scale, !s.begun, s.config.max_source_points);
-  tracked.points_used = static_cast<int>(prepared.source.size());
-  s.finished(Stage::kPreprocess);
-  const bool seen = prepared.source.size() >= kLeastPoints;
-  if (!seen) {
-    tracked.verdict = ScanVerdict::kEmpty;
-    tracked.why = why_too_few(scan.points, cropped, min_range, s.config.max_range_m);
-  }
+  const PreparedScan prepared = s.prepare(scan, &tracked);
+  const bool seen = tracked.verdict != ScanVerdict::kEmpty;
   if (!seen && !s.begun) return tracked;
 
   if (!s.begun) {
     if (s.relocation.lost()) {
       s.odometer->set_planar(prepared.planar);
-      s.relocation.distrust(s.now, 0, prepared, *s.odometer, 1);
+      s.relocation.distrust(s.time.now(), 0, prepared, *s.odometer, 1);
       tracked.method = PoseMethod::kPredicted;
     } else {
       s.start(prepared);
@@ -442,9 +377,9 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
     s.begun = true;
   } else if (!seen) {
     if (s.relocation.has_excursion()) {
-      s.relocation.coast(s.dt, *s.odometer);
+      s.relocation.coast(s.time.elapsed_s(), *s.odometer);
     } else {
-      s.coast_blind(s.predict(hints));
+      s.coast(s.predict(hints));
     }
     tracked.method = PoseMethod::kPredicted;
     tracked.stop_reason = StopReason::kTooFewPoints;
@@ -461,10 +396,10 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
 
 std::optional<RecoveryRequest> Tracker::take_request() {
   const State& s = *state_;
-  // Of a submap begun later it is not known how that one stands to this.
-  const bool is_one_map = s.submap == 0;
-  const auto up = s.attitudes > 0 && is_one_map ? std::optional<Eigen::Vector3d>(s.up) : std::nullopt;
-  return state_->relocation.take_request(s.last_utime, s.archive, up);
+  // Measured in the first submap; how others are tilted against it is not known.
+  const bool known = s.attitudes > 0 && s.submap == 0;
+  return state_->relocation.take_request(s.time.stamp(), s.archive,
+                                         known ? std::optional<Eigen::Vector3d>(s.up) : std::nullopt);
 }
 
 void Tracker::give(RecoveryAnswer answer) {
@@ -494,10 +429,7 @@ void Tracker::set_pose(const Pose& map_from_body) {
   s.odometer->set_pose(here);
   s.jump(before, here);
   s.jumped = true;
-  s.start_pose = here;
-  s.last_trusted = Sighting();
-  s.last_trusted.map_from_body = here;
-  s.last_trusted.utime = s.now;
+  s.check.restart(here, s.time.now());
   s.begun = s.open = false;
   if (!s.archive.knows(here.translation())) {  // a new start
     s.state = TrackingState::kInitialising;
@@ -509,7 +441,7 @@ void Tracker::set_pose(const Pose& map_from_body) {
 }
 
 SavedMap Tracker::save() const {
-  return moved({state_->epoch, state_->last_trusted.map_from_body, state_->archive.keyframes(), {}},
+  return moved({state_->epoch, state_->check.last().map_from_body, state_->archive.keyframes(), {}},
                state_->map_from_own);
 }
 
@@ -522,10 +454,8 @@ void Tracker::load(SavedMap saved, bool fixed) {
   s.map_from_own = level.inverse() * upright(level * saved.keyframes.front().map_from_body);
   saved = moved(saved, s.map_from_own.inverse());
   s.archive.restore(std::move(saved.keyframes), fixed);
-  // What was archived is of an earlier run, whatever the clock of either said.
-  s.now = std::min(s.archive.keyframes().back().utime, std::numeric_limits<std::int64_t>::max() / 2) +
-          kAnotherRun;
-  s.start_pose = s.last_trusted.map_from_body = saved.last_pose;
+  s.time.start_after(s.archive.keyframes().back().utime);
+  s.check.restart(saved.last_pose, 0);
   s.jump(s.odometer->state().pose, saved.last_pose);
   s.jumped = true;
   s.odometer->set_pose(saved.last_pose);
@@ -536,8 +466,8 @@ PointCloud Tracker::map() const {
   return moved(state_->odometer->map().snapshot(), state_->map_from_own);
 }
 
-const LocalMap& Tracker::local_map() const {
-  return state_->odometer->map();
+const Odometer& Tracker::odometer() const {
+  return *state_->odometer;
 }
 int Tracker::excursion_scans() const {
   return state_->relocation.has_excursion() ? state_->relocation.excursion().scans() : 0;
@@ -565,18 +495,12 @@ bool Tracker::on_known_ground() const {
 }
 std::int64_t Tracker::local_map_utime() const {
   const auto& keyframes = state_->odometer->map().keyframes();
-  std::int64_t earliest = state_->now;
+  std::int64_t earliest = state_->time.now();
   for (const Keyframe& k : keyframes) earliest = std::min(earliest, k.utime);
   return earliest;
 }
-bool Tracker::planar() const {
-  return state_->odometer->planar();
-}
 double Tracker::voxel() const {
   return state_->scale.current(0);
-}
-Odometer::Usual Tracker::usual() const {
-  return state_->odometer->usual();
 }
 
 void Tracker::correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, const Pose& map_from_own,
@@ -594,10 +518,6 @@ void Tracker::set_map_from_own(const Pose& map_from_own) {
 
 void Tracker::replace(std::uint32_t gone, std::uint32_t kept) {
   state_->archive.replace(gone, kept);
-}
-
-const Matrix6& Tracker::drift() const {
-  return state_->odometer->drift();
 }
 
 void Tracker::set_drift(const Matrix6& drift) {

@@ -11,7 +11,6 @@
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 #include "odometry/keyframe_archive.hpp"
-#include "odometry/local_map.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/recovery.hpp"
 #include "odometry/tracked_scan.hpp"
@@ -19,10 +18,10 @@
 
 namespace scanlock {
 
-/// The parts of the work on one scan, for whoever measures them: the tracker itself owns no clock.
+/// The stages of the work on one scan, for timing by the caller: the tracker itself owns no clock.
 enum class Stage : std::int8_t { kPreprocess = 0, kAlign = 1, kMap = 2 };
 
-/// What other sensors say of a scan; each is optional, and ignored where it contradicts the scans.
+/// Measurements of other sensors at a scan; each is optional.
 struct ScanPrior {
   std::optional<Pose> motion;  ///< body at the scan before -> body now: last_from_now, from odometry
   std::optional<Eigen::Quaterniond> level_from_body;  ///< attitude at the stamp; its heading is not used
@@ -41,9 +40,8 @@ class Tracker {
   /// Never throws for any content of the scan; points that are not finite are skipped.
   TrackedScan track(const Scan& scan, const ScanPrior& prior = {});
 
-  /// The search that the tracker would like to have done now, if any. Where and when it is done is the
-  /// caller's choice: at once in a replay, in another thread in a robot; `give` its answer between two scans.
-  /// One is out at a time.
+  /// The search for the robot's pose that is due, if any. The caller does it, at once in a replay, in another
+  /// thread on a robot, and gives the answer to `give` between two scans. No other is due before that.
   std::optional<RecoveryRequest> take_request();
   void give(RecoveryAnswer answer);
 
@@ -53,52 +51,50 @@ class Tracker {
   /// Forgets the map and the motion; the next scan is the first of a new epoch.
   void reset();
 
-  /// The robot stands there, says somebody who knows: a new epoch, in the same map where there is one.
+  /// The pose as a user or another program knows it: a new epoch, in the same map where there is one.
   void set_pose(const Pose& map_from_body);
 
-  /// What a later run needs to come back to this map.
+  /// The map, for relocalisation in a later run.
   SavedMap save() const;
-  /// Forgets all, and looks for its place in a saved map with the scans to come; a new epoch. `fixed`: see
-  /// KeyframeArchive::restore.
+  /// Forgets the state, and searches a saved map for the pose of the scans that follow; a new epoch. `fixed`:
+  /// see KeyframeArchive::restore.
   void load(SavedMap saved, bool fixed = false);
 
   /// The map as it stands: points with normals, in the map frame.
   PointCloud map() const;
 
-  // ---- for who ties its keyframes to each other: poses are in the tracker's own frame
+  // ---- for Mapper, which adds constraints: poses are in the tracker's own frame
 
   const KeyframeArchive& archive() const;
   const Pose& map_from_own() const;
-  /// Of the frame that never jumps: see TrackedScan.
+  /// From the local frame, which never jumps: see TrackedScan.
   Pose map_from_local() const;
-  /// The sensor at the last scan.
+  /// The pose of the sensor at the last scan.
   const Pose& own_from_body() const;
-  /// What scans are aligned with.
-  const LocalMap& local_map() const;
-  /// Scans that a robot which is not sure of its place has followed, one after the other; 0 where it is sure.
+  /// Of the active submap: its map is what scans are aligned with.
+  const Odometer& odometer() const;
+  /// Scans in a row that lost-mode odometry has followed; 0 without it.
   int excursion_scans() const;
-  /// Counts the submaps: a robot that is lost, and finds no place, goes on in one of its own. Keyframes of
-  /// others are kSubmapsApart from it at least; how they really lie to each other is not known.
+  /// The active submap, counted from 0: a robot that is lost for long begins another one. Keyframes of other
+  /// submaps are at least kSubmapsApart from it, for their true relative poses are not known.
   std::uint32_t submap() const;
-  /// Metres along -x that keyframes of all others were moved when the last one began.
+  /// Metres along -x by which all earlier keyframes were moved when the active submap began.
   double moved_away() const;
-  /// It goes on in another submap, whose poses are told in another frame.
+  /// The active submap is another one, whose map frame is another.
   void set_map_from_own(const Pose& map_from_own);
-  /// Whether the last scan was aligned with the map that the archive is of.
+  /// Whether the last scan was aligned with the map of the active submap.
   bool on_known_ground() const;
-  /// Archived keyframes from there on, their utime, may be part of what scans are aligned with.
+  /// Archived keyframes of this utime or later may be part of the local map.
   std::int64_t local_map_utime() const;
-  bool planar() const;
   double voxel() const;  ///< metres, of the map
-  Odometer::Usual usual() const;
-  /// Where the keyframes and the frame are really. `drift`: covariance of the map around the robot against
-  /// the map frame, in the frame of own_from_body(). `jumps`: poses in the map frame jump by it.
+  /// Corrected poses of keyframes and of the map frame. `drift`: covariance of the map around the robot
+  /// against the map frame, in the frame of own_from_body(). `jumps`: poses in the map frame jump by it, a
+  /// new epoch.
   void correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, const Pose& map_from_own,
                const Matrix6& drift, bool jumps);
   /// See KeyframeArchive::replace.
   void replace(std::uint32_t gone, std::uint32_t kept);
   void set_drift(const Matrix6& drift);
-  const Matrix6& drift() const;
 
  private:
   struct State;

@@ -18,20 +18,20 @@ struct TrackerConfig {
 
   int map_points_per_scan =
       14000;                     ///< the voxel of the map is chosen to leave about so many points of a scan
-  double min_voxel_m = 0.03;     ///< twice the noise of ranges: of finer ones a surface is noise
-  double max_voxel_m = 0.7;      ///< of coarser ones no surface of a trunk is left
+  double min_voxel_m = 0.03;     ///< twice the noise of ranges: in finer voxels a surface is noise
+  double max_voxel_m = 0.7;      ///< in coarser voxels no surface of a trunk is left
   int max_source_points = 2500;  ///< points of a scan that are aligned
 
-  double acceleration = 5.0;           ///< m/s^2 that the robot may well reach, for the prediction
+  double acceleration = 5.0;           ///< m/s^2, standard deviation, for the prediction
   double angular_acceleration = 10.0;  ///< rad/s^2, likewise
 
   int max_keyframes = 60;
   int max_map_points = 200000;
-  double new_map_after_s = 5.0;  ///< without a place, until a lost robot that sees goes on in a new map
+  double new_map_after_s = 5.0;  ///< lost, with scans that fit each other, until a new submap begins
 
   double search_cores = 0.1;  ///< of the CPU, what searches may take in the mean of a minute
 
-  int max_archive_points = 2000000;  ///< of all places remembered for coming back to
+  int max_archive_points = 2000000;  ///< of all archived keyframes
 };
 
 }  // namespace scanlock

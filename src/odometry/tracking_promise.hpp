@@ -10,15 +10,15 @@
 
 namespace scanlock {
 
-/// What TRACKING promises: of a hundred such poses 99 are as near as this to the truth, against the map
-/// around the robot. All others are DEGRADED.
+/// The error that 99 of 100 poses with the state TRACKING are below, relative to the map around the robot.
+/// Poses of larger expected error are DEGRADED.
 inline constexpr double kTrackedMetres = 0.05, kTrackedRadians = 1.0 * kDegree;
 
 /// The length, squared, that a normal vector of this covariance exceeds in one case of a hundred.
 double squared_bound(const Eigen::Matrix3d& covariance);
 
-/// The axes, as bits (see Degeneracy), along which a pose of this covariance is not known so well: of a
-/// hundred 99 are as near as this to the truth. Of those in `seen` alone.
+/// The axes, as bits (see Degeneracy), along which the error of a pose of this covariance exceeds these
+/// bounds in more than one case of a hundred. Only axes in `seen` are tested.
 std::uint32_t unknown_axes(const Matrix6& covariance, std::uint32_t seen, double metres = kTrackedMetres,
                            double radians = kTrackedRadians);
 

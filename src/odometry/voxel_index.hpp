@@ -9,7 +9,8 @@
 
 namespace scanlock {
 
-/// Which point stands for a voxel: open addressing, for it is asked for every point of every keyframe.
+/// Hash map from voxel to a point in it; open addressing, for speed: it is asked for every point of every
+/// keyframe.
 class VoxelIndex {
  public:
   VoxelIndex() { clear(); }

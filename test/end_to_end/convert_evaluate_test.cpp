@@ -82,7 +82,10 @@ TEST_CASE("evaluate prints one JSON object with the members of the contract") {
                            "\"nees\":null,", "\"deg_per_m\":0.0", "\"recovery_s\":[]", "\"align\":\"none\"}"})
     CHECK_MESSAGE(contains(result.output, part), part, " in ", result.output);
   CHECK(std::filesystem::file_size(folder / "p.svg") > 1000);
-  const Result laid = run_line(folder, "scanlock-evaluate " + files);
+  CHECK(run_line(folder, "scanlock-evaluate " + files + " --note foo").code == 2);
+  const Result laid = run(folder, {"scanlock-evaluate", folder / "estimate.tum", folder / "reference.tum",
+                                   "--note", "drive: the first"});
+  CHECK(contains(laid.output, "\ndrive                the first\n"));
   CHECK(laid.output.substr(0, laid.output.find('\n')) == "laid over by         se3");
   CHECK(std::filesystem::file_size(folder / "p.html") > std::filesystem::file_size(folder / "p.svg"));
 }

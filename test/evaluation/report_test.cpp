@@ -115,10 +115,14 @@ TEST_CASE("picture of a single pose and of a sensor that stands still has no bad
 }
 
 TEST_CASE("page is self-contained and holds the numbers") {
-  const Comparison comparison = loop_of(1000);
+  Comparison comparison = loop_of(1000);
+  comparison.notes = {{"daemon", "a < b & c"}};
   const std::string html = trajectory_html(comparison);
+  CHECK(html.rfind("<!DOCTYPE html>", 0) == 0);
   CHECK(count(html, "<svg") == 1);
-  CHECK(count(html, "src=") == 0);
+  for (const char* outside : {"src=", "href=", "url(", "@import", "<script"})
+    CHECK(count(html, outside) == 0);
+  CHECK(count(html, "<tr><td>daemon</td><td>a &lt; b &amp; c</td></tr>") == 1);
   CHECK(count(html, "<tr>") == result_rows(comparison).size());
   CHECK(count(html, "0.500 m") >= 1);  // the shift by half a metre
 }

@@ -11,7 +11,7 @@
 
 namespace scanlock {
 
-/// What a box can hold.
+/// Bounds of the consensus within a box.
 struct BoxCounts {
   int possible = 0;   ///< matches that some pose of the box may hold: bounds the consensus in the box
   int at_centre = 0;  ///< matches that its centre holds: that pose's consensus
@@ -28,9 +28,9 @@ class BoxFilter {
   /// Replaces `kept` by the possible ones of `list`.
   BoxCounts filter(const PoseBox& box, const std::vector<std::uint32_t>& list,
                    std::vector<std::uint32_t>& kept);
-  /// Shrinks the box of the last filter() to where so many of the matches that it kept can meet: along each
-  /// axis a match leaves an interval, and the box need not reach beyond where enough of these overlap. False
-  /// when that is nowhere.
+  /// Shrinks the box of the last filter() to poses that `wanted` of the kept matches may hold: along each
+  /// axis a match leaves an interval, and the box need not reach beyond where enough intervals overlap. False
+  /// when they overlap nowhere.
   bool contract(int wanted, PoseBox& box) const;
 
  private:

@@ -19,7 +19,7 @@ double longest_side(const PoseBox& box, double lever);
 /// Halves the longest side; the halves overlap by rounding.
 void halve(const PoseBox& box, double lever, PoseBox halves[2]);
 
-/// Poses that do not count: both the angle and the translation are near.
+/// Poses near `centre` in both angle and translation, which a search leaves out.
 struct ExcludedPoses {
   LevelPose centre;
   double angle = 0;     ///< radians

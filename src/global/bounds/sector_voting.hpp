@@ -47,8 +47,9 @@ class SectorVoting {
   void heights(int at_least, double& z, double& half_z) const;
   /// The matches that voted, the last time, for a cell of at least so many.
   void open_matches(int at_least, std::vector<std::uint32_t>& matches);
-  /// The cells, of the last vote, of at least so many matches. Nothing and false when as many matches as that
-  /// sweep far over the cells, for the sector is too wide for their distance from the axis.
+  /// The cells, of the last vote, of at least so many matches. False, and no cells, when
+  /// `at_least` matches vote for a whole side of the table: the sector is too wide for their distance from
+  /// the axis.
   bool gather(const Sector& sector, int at_least, std::vector<VotedCell>& cells);
 
  private:

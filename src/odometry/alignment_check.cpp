@@ -1,0 +1,69 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/alignment_check.hpp"
+
+#include <cmath>
+
+#include "geometry/angles.hpp"
+
+namespace scanlock {
+namespace {
+
+// Squared gaps (see squared_gap): kMostGap for a robot that is not trusted, and what makes an alignment
+// unusual. Lorries close by have 0.5, kidnaps that nothing else tells of mostly 6 and more.
+constexpr double kMostGapDistrusted = 10, kUnusualGap = 1;
+
+double gap(const Attempt& attempt) {
+  return squared_gap(attempt.prior, attempt.alignment.moving);
+}
+
+}  // namespace
+
+void AlignmentCheck::restart(const Pose& pose, std::int64_t time) {
+  last_ = {pose, time, Vector6::Zero(), {}, {}};
+  distrusted_scans_ = 0;
+}
+
+void AlignmentCheck::trust(std::int64_t now, const PreparedScan& scan, const MovingPose& moving,
+                           bool witness) {
+  last_ = sighting(now, scan, moving);
+  if (!witness) last_.rays = {};
+  distrusted_scans_ = 0;
+  looks_alike_ = false;
+}
+
+void AlignmentCheck::distrust(bool contradicted) {
+  ++distrusted_scans_;
+  looks_alike_ = looks_alike_ || contradicted;
+}
+
+bool AlignmentCheck::is_plausible(const Attempt& attempt) const {
+  if (gap(attempt) > (distrusted_scans_ > 0 ? kMostGapDistrusted : kMostGap)) return false;
+  const Matrix6 covariance = pose_covariance(attempt.prior);
+  const double metres = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
+  const double radians = std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
+  const Pose &found = attempt.alignment.moving.pose, &predicted = attempt.prior.mean.pose;
+  if (usual_share(attempt.health))
+    return near(found, predicted, 1.0 + 5.0 * metres, 10.0 * kDegree + 5.0 * radians);
+  return near(found, predicted, 0.1 + 2.0 * metres, 2.0 * kDegree + 2.0 * radians);
+}
+
+bool AlignmentCheck::is_trusted(const Attempt& attempt, bool initialising) const {
+  const bool wary = distrusted_scans_ > 0 && !initialising;
+  if (explains(attempt, wary ? kCalmScore : kJumpScore)) return is_plausible(attempt);
+  // At the edge of new ground a scan costs more, though all of it is there and its motion is the predicted
+  // one.
+  return !wary && explains(attempt, kHopelessScore) && usual_share(attempt.health) &&
+         gap(attempt) < kMostGapDistrusted;
+}
+
+bool AlignmentCheck::is_contradicted(std::int64_t now, const PreparedScan& scan,
+                                     const Attempt& attempt) const {
+  const bool after_gap = 1e-6 * static_cast<double>(now - last_.utime) > kMoment;
+  const double most = after_gap ? kMostContradictionAfterGap : kMostContradiction;
+  const bool unusual = after_gap || looks_alike_ || gap(attempt) > kUnusualGap ||
+                       attempt.health.score > kCalmScore || !usual_share(attempt.health);
+  return unusual && !attempt.health.young && contradiction(last_, now, scan, attempt.alignment.moving) > most;
+}
+
+}  // namespace scanlock

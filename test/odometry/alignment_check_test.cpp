@@ -1,0 +1,100 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "odometry/alignment_check.hpp"
+
+#include <doctest/doctest.h>
+
+#include "room.hpp"
+
+using namespace scanlock;
+
+namespace {
+
+constexpr std::int64_t kPeriod = 100000;  // microseconds
+
+/// Of a scan in a known place that costs what such scans do, `metres` ahead of a prediction whose standard
+/// deviation is 0.1 m, 0.1 rad, 1 m/s and 1 rad/s.
+Attempt attempt(double metres, double score = 0, double share = 0.9) {
+  Attempt result;
+  Vector12 information;
+  information << Vector6::Constant(100), Vector6::Constant(1);
+  result.prior.information = information.asDiagonal();
+  result.alignment.moving.pose = Pose(Eigen::Translation3d(metres, 0, 0));
+  result.health.energy = 0.1;
+  result.health.overlap = 0.95;
+  result.health.young = false;
+  result.health.score = score;
+  result.health.inliers = 1000;
+  result.health.share = share;
+  result.health.usual_share = 0.9;
+  return result;
+}
+
+PreparedScan scan_at(const Pose& pose, unsigned seed) {
+  PreparedScan scan;
+  scan.source = scan.rays = hall_scan(pose, Vector6::Zero(), 0, seed).points;
+  return scan;
+}
+
+}  // namespace
+
+TEST_CASE("an alignment is plausible near the prediction, and nearer where it has few inliers") {
+  AlignmentCheck check;
+  CHECK(check.is_plausible(attempt(0.28)));
+  CHECK(check.is_plausible(attempt(0.28, 0, 0.3)));
+  CHECK(check.is_plausible(attempt(0.5)));
+  CHECK_FALSE(check.is_plausible(attempt(0.5, 0, 0.3)));
+  CHECK_FALSE(check.is_plausible(attempt(0.56)));  // a squared gap of 31
+  check.distrust(false);
+  CHECK(check.is_plausible(attempt(0.3)));
+  CHECK_FALSE(check.is_plausible(attempt(0.33)));  // of 11
+}
+
+TEST_CASE("an alignment is trusted below a score, which is lower after one that was not") {
+  AlignmentCheck check;
+  const PreparedScan scan;
+  CHECK(check.is_trusted(attempt(0, 5), false));
+  CHECK_FALSE(check.is_trusted(attempt(0.56, 5), false));
+  CHECK(check.is_trusted(attempt(0.1, 8), false));  // the edge of new ground: all inliers are there
+  CHECK_FALSE(check.is_trusted(attempt(0.1, 8, 0.3), false));
+  CHECK_FALSE(check.is_trusted(attempt(0.1, 13), false));
+  check.distrust(false);
+  CHECK(check.distrusted_scans() == 1);
+  CHECK(check.is_trusted(attempt(0, 3), false));
+  CHECK_FALSE(check.is_trusted(attempt(0, 5), false));
+  CHECK(check.is_trusted(attempt(0, 5), true));
+  check.trust(kPeriod, scan, {Pose::Identity(), Vector6::Zero()}, true);
+  CHECK(check.distrusted_scans() == 0);
+  CHECK(check.is_trusted(attempt(0, 5), false));
+}
+
+TEST_CASE("the last trusted scan contradicts another place: asked after a gap, and of unusual alignments") {
+  const Pose here = Pose::Identity(), other(Eigen::Translation3d(-6, 5, 0));
+  const PreparedScan seen_there = scan_at(other, 2);
+  AlignmentCheck check;
+  check.trust(0, scan_at(here, 1), {here, Vector6::Zero()}, true);
+  CHECK_FALSE(check.is_contradicted(kPeriod, seen_there, attempt(0)));
+  CHECK(check.is_contradicted(5 * kPeriod, seen_there, attempt(0)));
+  CHECK_FALSE(check.is_contradicted(5 * kPeriod, scan_at(here, 3), attempt(0)));
+  CHECK(check.is_contradicted(kPeriod, seen_there, attempt(0, 4.5)));
+  CHECK(check.is_contradicted(kPeriod, seen_there, attempt(0, 0, 0.3)));
+  Attempt first = attempt(0);
+  first.health.young = true;
+  CHECK_FALSE(check.is_contradicted(5 * kPeriod, seen_there, first));
+  check.distrust(true);
+  CHECK(check.looks_alike());
+  CHECK(check.is_contradicted(kPeriod, seen_there, attempt(0)));
+}
+
+TEST_CASE("nothing contradicts a scan that is no witness, nor a start") {
+  const Pose here = Pose::Identity();
+  const PreparedScan other = scan_at(Pose(Eigen::Translation3d(-6, 5, 0)), 2);
+  AlignmentCheck check;
+  check.trust(0, scan_at(here, 1), {here, Vector6::Zero()}, false);
+  CHECK_FALSE(check.is_contradicted(5 * kPeriod, other, attempt(0)));
+  check.distrust(false);
+  check.restart(here, kPeriod);
+  CHECK(check.distrusted_scans() == 0);
+  CHECK(check.last().utime == kPeriod);
+  CHECK_FALSE(check.is_contradicted(5 * kPeriod, other, attempt(0)));
+}
