@@ -28,6 +28,7 @@ constexpr float kHeadroom = 1.5F;     // metres that are free above a floor
 constexpr float kFloorCell = 0.5F;    // metres
 constexpr float kTile = 4;            // metres: cells and blocks of voxels both divide it
 constexpr float kStep = 0.4F;         // metres from one cell of a floor to the next: a kerb, a steep ramp
+constexpr int kAcross = 3;            // cells to the next one: what stands on a floor does not divide it
 constexpr double kLeastFloor = 0.05;  // of the widest one: what is less is a roof or a table
 constexpr double kRows = 40, kTurn = 180;  // rays, from 40 degrees below the horizon to 40 above, and around
 constexpr double kSteepest = 40 * kDegree;
@@ -89,10 +90,10 @@ std::vector<Place> wide_floors(const std::vector<Place>& floor) {
       const Place at = floor[border.back()];
       border.pop_back();
       ++sizes.back();
-      for (int x = at.cell.first - 1; x <= at.cell.first + 1; ++x) {
+      for (int x = at.cell.first - kAcross; x <= at.cell.first + kAcross; ++x) {
         constexpr float kLowest = -std::numeric_limits<float>::infinity();
-        auto next = std::lower_bound(floor.begin(), floor.end(), Place{{x, at.cell.second - 1}, kLowest});
-        for (; next != floor.end() && next->cell <= Cell(x, at.cell.second + 1); ++next) {
+        auto next = std::lower_bound(floor.begin(), floor.end(), Place{{x, at.cell.second - kAcross}, kLowest});
+        for (; next != floor.end() && next->cell <= Cell(x, at.cell.second + kAcross); ++next) {
           const auto other = static_cast<std::uint32_t>(next - floor.begin());
           if (part[other] != kNone || std::abs(next->z - at.z) > kStep) continue;
           part[other] = number;

@@ -48,6 +48,7 @@ struct Hour {
   PosePairs pairs;  // of scans in TRACKING or DEGRADED, but for who is not back yet
   std::vector<double> ms;
   int carried = 0, back_in_2_s = 0, wrong = 0, lost = 0, tracking_far_off = 0;
+  int elsewhere = 0;  // scans in TRACKING or DEGRADED in a submap that is not located in the given map
   double search_ms = 0;
 };
 
@@ -57,8 +58,9 @@ void report(int hour, const Hour& seen, const Pose& world_from_map, const Mapper
   const auto scans = static_cast<double>(std::max<std::size_t>(seen.ms.size(), 1));
   std::printf("{\"hour\": %d, \"rms_m\": %.4f, \"worst_m\": %.3f, \"carried\": %d, \"back_in_2_s\": %d, ",
               hour, off.rmse, off.max, seen.carried, seen.back_in_2_s);
-  std::printf("\"wrong\": %d, \"lost\": %d, \"tracking_far_off\": %d, \"keyframes\": %zu, ", seen.wrong,
-              seen.lost, seen.tracking_far_off, mapper.save().keyframes.size());
+  std::printf(
+      "\"wrong\": %d, \"lost\": %d, \"elsewhere\": %d, \"tracking_far_off\": %d, \"keyframes\": %zu, ",
+      seen.wrong, seen.lost, seen.elsewhere, seen.tracking_far_off, mapper.save().keyframes.size());
   std::printf("\"ms\": %.2f, \"p99_ms\": %.2f, \"search_ms\": %.2f}\n",
               std::accumulate(seen.ms.begin(), seen.ms.end(), 0.0) / scans, percentile(seen.ms, 0.99),
               seen.search_ms / scans);
@@ -129,12 +131,13 @@ void day(WorldKind world, LidarKind lidar, int hours, unsigned seed, bool bare) 
     const bool sure = tracked.state == TrackingState::kTracking || tracked.state == TrackingState::kDegraded;
     const bool jumped = tracked.recovery && tracked.recovery->accepted && !tracked.recovery->loop_closure;
     if (!sure && tracked.state != TrackingState::kInitialising) ++seen.lost;
+    if (sure && !tracked.localised) ++seen.elsewhere;
     if (jumped && !near) ++seen.wrong;
     if (carried_s > 0 && jumped && near) {
       if (scan->time_s - carried_s <= 2) ++seen.back_in_2_s;
       carried_s = 0;
     }
-    if (!sure || carried_s > 0) continue;
+    if (!sure || !tracked.localised || carried_s > 0) continue;
     if (tracked.state == TrackingState::kTracking && !near) ++seen.tracking_far_off;
     seen.pairs.push_back(pair);
   }

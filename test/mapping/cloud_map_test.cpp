@@ -9,6 +9,7 @@
 #include <numeric>
 #include <random>
 #include <utility>
+#include <vector>
 
 #include "geometry/moved_cloud.hpp"
 #include "mapping/solid_cloud.hpp"
@@ -149,6 +150,24 @@ TEST_CASE("in a bare cloud keyframes stand in rooms, see their walls and none of
     CHECK(right > 0);
     CHECK(map.constraints.size() == map.keyframes.size());
   }
+}
+
+TEST_CASE("people who stood across a corridor while it was surveyed do not divide its floor") {
+  PointCloud cloud;
+  const Eigen::Vector3f x(60, 0, 0), y(0, 2.4F, 0), z(0, 0, 3);
+  add_rectangle({0, 0, 0}, x, y, 0.05F, &cloud);
+  add_rectangle({-5, -5, 3}, {70, 0, 0}, {0, 12, 0}, 0.1F, &cloud);  // the ceiling, of the rooms about, too
+  for (const float wall : {0.0F, 2.4F}) add_rectangle({0, wall, 0}, x, z, 0.05F, &cloud);
+  for (const float end : {0.0F, 60.0F}) add_rectangle({end, 0, 0}, y, z, 0.05F, &cloud);
+  for (float at = 2; at < 60; at += 2)
+    for (const float side : {0.0F, 0.3F}) add_rectangle({at + side, 0, 0}, y, {0, 0, 1.8F}, 0.05F, &cloud);
+  const SavedMap map = map_of_cloud(cloud, "corridor", {});
+  std::vector<bool> shown(6, false);  // of each ten metres
+  for (const ArchivedKeyframe& k : map.keyframes) {
+    const Eigen::Vector3d eye = k.map_from_body.translation();
+    if (eye.z() < 2 && eye.x() > 0 && eye.x() < 60) shown[static_cast<std::size_t>(eye.x() / 10)] = true;
+  }
+  CHECK(std::count(shown.begin(), shown.end(), true) == 6);
 }
 
 TEST_CASE(
