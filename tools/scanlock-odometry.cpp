@@ -16,7 +16,9 @@
 #include "daemon/config.hpp"
 #include "daemon/replay.hpp"
 #include "daemon/statistics.hpp"
+#include "evaluation/map_picture.hpp"
 #include "io/cloud_file.hpp"
+#include "io/file_bytes.hpp"
 #include "io/output_files.hpp"
 #include "io/progress_bar.hpp"
 #include "io/trajectory.hpp"
@@ -27,7 +29,8 @@ using namespace scanlock;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string log_path, output_path, map_path, start_map_path, config_path, tum_path, kitti_path;
+  std::string log_path, output_path, map_path, start_map_path, config_path, tum_path, kitti_path,
+      picture_path;
   std::vector<std::string> channels;
   int threads = 0;
   bool json = false, force = false;
@@ -41,6 +44,9 @@ struct Result {
   std::int64_t recoveries = 0, loop_closures = 0, false_starts = 0;
   double distance_m = 0;
   std::vector<double> scan_ms;  // wall clock, each scan
+  /// Pieces of the trajectory without a jump, where the robot knows its place in the map.
+  std::vector<std::pair<std::size_t, std::size_t>> pieces;       // first pose, and the one after the last
+  std::vector<std::pair<std::size_t, std::string>> corrections;  // pose, and why
 
   void note(const FinishedScan& finished, double ms) {
     const TrackedScan& tracked = finished.tracked;
@@ -56,6 +62,13 @@ struct Result {
     epoch_ = tracked.epoch;
     trajectory.push_back({static_cast<double>(tracked.utime) * 1e-6, tracked.map_from_body});
     stamps.push_back(tracked.stamp);
+    if (corrected) corrections.emplace_back(trajectory.size() - 1, tracked.recovery->reason);
+    const bool known = tracked.localised && (tracked.state == TrackingState::kTracking ||
+                                             tracked.state == TrackingState::kDegraded);
+    if (!known) return;
+    if (pieces.empty() || corrected || pieces.back().second + 1 != trajectory.size())
+      pieces.emplace_back(trajectory.size() - 1, trajectory.size());
+    pieces.back().second = trajectory.size();
   }
 
   /// Poses go to where the map has them at the end.
@@ -68,6 +81,27 @@ struct Result {
  private:
   std::uint32_t epoch_ = 0;
 };
+
+constexpr float kPictureVoxel = 0.1F;  // metres
+
+MapPicture picture_of(const Result& result, const Pipeline& pipeline, const Options& options) {
+  MapPicture picture;
+  picture.map = pipeline.archived(kPictureVoxel);
+  picture.title = std::filesystem::path(options.log_path).filename().string();
+  if (!options.start_map_path.empty())
+    picture.title += " in " + std::filesystem::path(options.start_map_path).filename().string();
+  const auto position = [&](std::size_t i) {
+    return Eigen::Vector3d(result.trajectory[i].pose.translation());
+  };
+  for (const auto& [begin, end] : result.pieces) {
+    picture.ways.emplace_back();
+    for (std::size_t i = begin; i < end; ++i) picture.ways.back().push_back(position(i));
+  }
+  for (const auto& [pose, why] : result.corrections)
+    picture.corrections.push_back(
+        {position(pose), result.trajectory[pose].time_s - result.trajectory.front().time_s, why});
+  return picture;
+}
 
 /// Where nobody asked for messages.
 class NoSink final : public MessageSink {
@@ -167,11 +201,13 @@ Config configured(const Options& options) {
 }
 
 int run(const Options& options) {
-  check_outputs({{options.log_path, options.config_path, options.start_map_path},
-                 {options.tum_path, options.kitti_path, options.output_path, options.map_path},
-                 ""},
-                options.force);
+  check_outputs(
+      {{options.log_path, options.config_path, options.start_map_path},
+       {options.tum_path, options.kitti_path, options.output_path, options.map_path, options.picture_path},
+       ""},
+      options.force);
   if (!options.map_path.empty()) check_cloud_path(options.map_path);
+  check_picture_path(options.picture_path);
   if (!options.start_map_path.empty() && !std::filesystem::exists(options.start_map_path))
     throw std::runtime_error(options.start_map_path + ": no such file or directory");
   check_log(options.log_path);
@@ -197,6 +233,8 @@ int run(const Options& options) {
   result.settle(pipeline);
   if (!options.tum_path.empty()) write_tum(options.tum_path, result.trajectory);
   if (!options.kitti_path.empty()) write_kitti(options.kitti_path, result.trajectory);
+  if (!options.picture_path.empty())
+    write_file_bytes(options.picture_path, map_svg(picture_of(result, pipeline, options)));
   if (!damage.empty()) std::cerr << "scanlock-odometry: " << damage << "\n";
   print_faults(statistics);
   const Json s = summary(result, statistics.report().counters);
@@ -209,7 +247,8 @@ int run(const Options& options) {
 
 void declare(CommandLine line, Options& options) {
   line.explain("", {"scanlock-odometry drive.lcmlog --poses poses.tum --map map.ply",
-                    "scanlock-odometry drive.lcmlog --start-map site.ply --output poses.lcmlog --json"});
+                    "scanlock-odometry drive.lcmlog --start-map site.ply --output poses.lcmlog --json",
+                    "scanlock-odometry drive.lcmlog --start-map site.ply --picture found.svg"});
   line.option("LOG", options.log_path, "LCM log with scans").required();
   line.option("-c,--config", options.config_path, "configuration (TOML), as scanlockd reads it");
   line.option("--scan-channel", options.channels, "channel of the scans; may be repeated (default: LIDAR)")
@@ -224,6 +263,9 @@ void declare(CommandLine line, Options& options) {
   line.option("--start-map", options.start_map_path,
               "map to find the place in (.map, .ply, .pcd), as scanlockd --map; it is not written");
   line.option("--map", options.map_path, "write the map at the end (.ply)");
+  line.option(
+      "--picture", options.picture_path,
+      "draw the map from above, the way in it, and where it was found, when, and by what evidence (.svg)");
   line.flag("--force", options.force, "overwrite outputs that are there already");
   line.flag("--json", options.json, "print one JSON object on standard output");
 }

@@ -12,6 +12,7 @@
 #include "daemon/publisher_watch.hpp"
 #include "daemon/statistics.hpp"
 #include "geometry/moved_cloud.hpp"
+#include "mapping/cloud_map.hpp"
 #include "mapping/mapper.hpp"
 #include "messages/reports.hpp"
 #include "odometry/prior_judge.hpp"
@@ -47,6 +48,12 @@ class Pipeline {
 
   /// In the frame of the poses that it tells.
   PointCloud map() const { return moved(mapper_.map(), body_from_sensor_); }
+
+  /// All that is archived, of the submap that the robot is in and of those before it, likewise; thinned to
+  /// `voxel` metres.
+  PointCloud archived(float voxel) const {
+    return moved(cloud_of_map(mapper_.save(), voxel), body_from_sensor_);
+  }
 
   /// For trajectories that are written at the end: see Mapper.
   void keep_history() { mapper_.keep_history(); }

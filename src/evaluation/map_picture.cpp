@@ -1,0 +1,117 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "evaluation/map_picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "evaluation/svg.hpp"
+
+namespace scanlock {
+namespace {
+
+constexpr double kLeft = 76, kTop = 70, kWidth = 890, kHeight = 760;  // pixels, of the panel
+constexpr double kCells = 450;                                        // of the plan, along its longer side
+constexpr float kLevel = 0.25F;  // metres: points on three such levels, one above the other, stand
+constexpr std::size_t kListed = 12, kLongest = 130;  // corrections, and letters of their evidence
+
+using Cell = std::pair<int, int>;
+
+struct Extent {
+  Eigen::Vector2d least = Eigen::Vector2d::Constant(1e9), most = Eigen::Vector2d::Constant(-1e9);
+  void add(const Eigen::Vector2d& p) {
+    least = least.cwiseMin(p);
+    most = most.cwiseMax(p);
+  }
+};
+
+/// The middles of the cells in which something stands.
+Points2 plan_of(const PointCloud& map, double cell) {
+  std::map<Cell, std::set<int>> levels;
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Eigen::Vector3f p = map.point(i);
+    const Cell at(static_cast<int>(std::floor(static_cast<double>(p.x()) / cell)),
+                  static_cast<int>(std::floor(static_cast<double>(p.y()) / cell)));
+    levels[at].insert(static_cast<int>(std::floor(p.z() / kLevel)));
+  }
+  Points2 plan;
+  for (const auto& [at, heights] : levels) {
+    // A floor that is noisy has two, and the ceiling above it others.
+    const auto stands = [&](int level) {
+      return heights.count(level + 1) != 0 && heights.count(level + 2) != 0;
+    };
+    if (std::any_of(heights.begin(), heights.end(), stands))
+      plan.push_back(cell * Eigen::Vector2d(at.first + 0.5, at.second + 0.5));
+  }
+  return plan;
+}
+
+std::string text(double x, double y, const char* css_class, const std::string& words) {
+  char head[96];
+  std::snprintf(head, sizeof head, "<text class=\"%s\" x=\"%.0f\" y=\"%.0f\">", css_class, x, y);
+  return head + escaped(words) + "</text>\n";
+}
+
+}  // namespace
+
+std::string map_svg(const MapPicture& picture) {
+  Extent extent;
+  for (std::size_t i = 0; i < picture.map.size(); ++i)
+    extent.add(picture.map.point(i).head<2>().cast<double>());
+  for (const auto& way : picture.ways)
+    for (const Eigen::Vector3d& p : way) extent.add(p.head<2>());
+  if (!((extent.most - extent.least).minCoeff() > 0)) {
+    extent.least = Eigen::Vector2d::Constant(-1);
+    extent.most = Eigen::Vector2d::Constant(1);
+  }
+  const Eigen::Vector2d margin = 0.02 * (extent.most - extent.least);
+  const SvgPanel panel =
+      SvgPanel::equal_scales({kLeft, kTop, kWidth, kHeight}, extent.least - margin, extent.most + margin);
+  const std::size_t listed = std::min(picture.corrections.size(), kListed);
+  char head[160];
+  std::snprintf(head, sizeof head,
+                "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 1000 %.0f\" width=\"1000\">\n",
+                kTop + kHeight + 70 + 20 * static_cast<double>(listed));
+  std::string svg = head;
+  svg +=
+      "<style>text { font-family: \"DejaVu Sans\", Verdana, sans-serif; fill: #202124; } .title { font-size: "
+      "17px; } .axis, .found { font-size: 13px; } .tick { font-size: 12px; fill: #5f6368; } .panel { fill: "
+      "none; stroke: #9aa0a6; } .grid { stroke: #eceff1; fill: none; } .plan { stroke: #6b7280; "
+      "stroke-width: "
+      "2; stroke-linecap: round; fill: none; } .way { stroke: #1a73e8; stroke-width: 2; fill: none; } .place "
+      "{ "
+      "fill: #d93025; }</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
+  svg += text(kLeft, 32, "title", picture.title) +
+         text(kLeft, 54, "axis", "grey: what stands in the map; blue: the way; red: found, or corrected") +
+         panel.grid("x (m)", "y (m)", 9, 8) + "<path class=\"plan\" d=\"";
+  for (const Eigen::Vector2d& p : plan_of(picture.map, (extent.most - extent.least).maxCoeff() / kCells)) {
+    const Eigen::Vector2d at = panel.to_pixels(p);
+    char dot[40];
+    std::snprintf(dot, sizeof dot, "M%.1f %.1fh0", at.x(), at.y());
+    svg += dot;
+  }
+  svg += "\"/>\n";
+  for (const auto& way : picture.ways) {
+    Points2 line;
+    for (const Eigen::Vector3d& p : way) line.push_back(p.head<2>());
+    svg += panel.line(line, "way");
+  }
+  for (std::size_t i = 0; i < picture.corrections.size(); ++i) {
+    const MapPicture::Correction& correction = picture.corrections[i];
+    svg += panel.circle(correction.position.head<2>(), "place");
+    if (i >= listed) continue;
+    svg += panel.label(correction.position.head<2>(), std::to_string(i + 1));
+    char when[48];
+    std::snprintf(when, sizeof when, "%zu  at %.1f s: ", i + 1, correction.time_s);
+    std::string evidence = correction.evidence;
+    if (evidence.size() > kLongest) evidence = evidence.substr(0, kLongest - 3) + "...";
+    svg += text(kLeft, kTop + kHeight + 60 + 20 * static_cast<double>(i), "found", when + evidence);
+  }
+  return svg + "</svg>\n";
+}
+
+}  // namespace scanlock
