@@ -281,8 +281,9 @@ SavedMap map_of_cloud(const PointCloud& cloud, const std::string& name, const Cl
 PointCloud cloud_of_map(const SavedMap& map, float voxel) {
   PointCloud all;
   for (const ArchivedKeyframe& k : map.keyframes) {
-    for (std::size_t i = 0; i < k.points->size(); ++i)
-      all.push_back((k.map_from_body * k.points->point(i).cast<double>()).cast<float>());
+    const std::shared_ptr<const PointCloud> points = k.points.cloud();
+    for (std::size_t i = 0; i < points->size(); ++i)
+      all.push_back((k.map_from_body * points->point(i).cast<double>()).cast<float>());
   }
   return select(all, thin_by_voxel(all, voxel));
 }

@@ -24,7 +24,7 @@ namespace scanlock {
 using MapRequest = std::variant<RecoveryRequest, ClosureRequest, JoinRequest>;
 using MapAnswer = std::variant<RecoveryAnswer, ClosureAnswer, JoinAnswer>;
 
-/// Does that work; deterministic.
+/// Does that work; deterministic. Where points cannot be read, nothing is found: see TrackedScan::map_fault.
 class MapWorker {
  public:
   explicit MapWorker(const TrackerConfig& config) : config_(config) {}

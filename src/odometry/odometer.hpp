@@ -70,7 +70,7 @@ class Odometer {
   void set_planar(bool planar);
   bool planar() const { return map_.planar(); }
   /// The map becomes what was archived around the `centres` (map frame): around each as much as it would be
-  /// around that alone. What is usual stays.
+  /// around that alone. What is usual stays. Throws PointsUnreadable, and changes nothing then.
   void reload(const std::vector<ArchivedKeyframe>& archived, const std::vector<Eigen::Vector3d>& centres,
               double voxel);
 

@@ -92,7 +92,7 @@ const PlaceFinder::Target& PlaceFinder::target(const RecoveryRequest& request, d
       options);
   *cost_s += kSecondsAPoint * static_cast<double>(target.description.points.size());
   for (const ArchivedKeyframe* k : keyframes_seeing(request.places, request.target_centre, request.radius))
-    *cost_s += kSecondsARawPoint * static_cast<double>(k->points->size());
+    *cost_s += kSecondsARawPoint * static_cast<double>(k->points.size());
   targets_.push_back(std::move(target));
   return targets_.back();
 }

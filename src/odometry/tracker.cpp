@@ -74,6 +74,7 @@ struct Tracker::State {
   bool open = false;  // before them its place was not known, as in a tunnel: there is none to come back to
   bool looks_alike = false;  // one of them fits, but the last trusted one says that it is of another place
   int quiet_scans_left = 0;
+  std::string map_fault;  // to be told with the next scan
 
   Relocation relocation;
 
@@ -328,8 +329,7 @@ struct Tracker::State {
     const Pose predicted = relocation.excursion().state().pose;
     join(relocation.excursion(), renormalised(attempt.alignment.moving.pose * predicted.inverse()),
          scan.median_range, &archive);
-    if (relocation.map_of_several())
-      odometer->reload(archive.keyframes(), {attempt.alignment.moving.pose.translation()}, scale.current(0));
+    if (relocation.map_of_several()) reload(attempt.alignment.moving.pose.translation());
     jumped = true;
     believe(scan, attempt);
     jump(predicted, odometer->state().pose);
@@ -359,6 +359,15 @@ struct Tracker::State {
   }
 
   void lose() { relocation.begin(*odometer, last_trusted, looks_alike, archive); }
+
+  /// The local map becomes what is archived around there; it stays where that cannot be read.
+  void reload(const Eigen::Vector3d& centre) {
+    try {
+      odometer->reload(archive.keyframes(), {centre}, scale.current(0));
+    } catch (const PointsUnreadable& error) {
+      map_fault = error.what();
+    }
+  }
 
   // ---- reporting
 
@@ -393,6 +402,7 @@ struct Tracker::State {
     tracked->covariance = odometer->pose_covariance() + odometer->drift();
     tracked->keyframes = static_cast<int>(odometer->map().keyframes().size());
     tracked->map_points = static_cast<int>(odometer->map().size());
+    tracked->map_fault = std::exchange(map_fault, {});
     tracked->recovery = relocation.take_ended();
     if (tracked->recovery) {
       tracked->recovery->epoch = epoch;
@@ -469,7 +479,16 @@ std::optional<RecoveryRequest> Tracker::take_request() {
 
 void Tracker::give(RecoveryAnswer answer) {
   State& s = *state_;
-  s.relocation.give(std::move(answer), s.archive, s.scale.current(0), *s.odometer);
+  note_map_fault(answer.map_fault);
+  try {
+    s.relocation.give(std::move(answer), s.archive, s.scale.current(0), *s.odometer);
+  } catch (const PointsUnreadable& error) {  // what was found cannot be tried; the search goes on
+    note_map_fault(error.what());
+  }
+}
+
+void Tracker::note_map_fault(const std::string& fault) {
+  if (!fault.empty()) state_->map_fault = fault;
 }
 
 void Tracker::set_stage_observer(std::function<void(Stage)> observer) {
@@ -503,7 +522,7 @@ void Tracker::set_pose(const Pose& map_from_body) {
     s.state = TrackingState::kInitialising;
     return;
   }
-  s.odometer->reload(s.archive.keyframes(), {here.translation()}, s.scale.current(0));
+  s.reload(here.translation());
   s.lose();
   s.relocation.propose_here();
 }
@@ -521,7 +540,7 @@ void Tracker::load(SavedMap saved, bool fixed) {
   const Pose level(level_rotation(saved.up));
   s.map_from_own = level.inverse() * upright(level * saved.keyframes.front().map_from_body);
   saved = moved(saved, s.map_from_own.inverse());
-  s.archive.restore(std::move(saved.keyframes), fixed);
+  note_map_fault(s.archive.restore(std::move(saved.keyframes), fixed));
   // What was archived is of an earlier run, whatever the clock of either said.
   s.now = std::min(s.archive.keyframes().back().utime, std::numeric_limits<std::int64_t>::max() / 2) +
           kAnotherRun;
