@@ -175,6 +175,7 @@ void print_faults(const Statistics& statistics) {
       {&Counters::clock, "scans rejected"},
       {&Counters::clock_steps, "steps of the clock"},
       {&Counters::two_publishers, "signs of two publishers"},
+      {&Counters::map_faults, "faults of the map"},
       {&Counters::without_time, "scans without a stamp"},
       {&Counters::without_point_times, "scans without times of points"},
       {&Counters::incomplete, "scans incomplete"},

@@ -52,7 +52,7 @@ bool share_a_keyframe(const SavedMap& a, const SavedMap& b) {
 
 std::string described(const SavedMap& map) {
   std::size_t points = 0;
-  for (const ArchivedKeyframe& keyframe : map.keyframes) points += keyframe.points->size();
+  for (const ArchivedKeyframe& keyframe : map.keyframes) points += keyframe.points.size();
   return std::to_string(map.keyframes.size()) + " keyframes, " + std::to_string(points) + " points";
 }
 
@@ -73,7 +73,8 @@ void keep(const std::string& file, const Statistics& statistics) {
   const std::string kept = file + ".old";
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return;
-  std::filesystem::copy_file(file, kept, std::filesystem::copy_options::overwrite_existing, error);
+  std::filesystem::remove(kept, error);  // not written over: a map may have been loaded from it
+  if (!error) std::filesystem::copy_file(file, kept, error);
   if (error) throw std::runtime_error(kept + ": cannot keep the map before: " + error.message());
   statistics.say(LogLevel::kInfo, file + ": holds another map, which is kept as " + kept);
 }

@@ -80,6 +80,8 @@ void Pipeline::track(const ReceivedScan& received, FinishedScan* finished) {
   finished->times.preprocess_ms = stages[0];
   finished->times.align_ms = stages[1];
   finished->times.map_ms = stages[2];
+  if (!finished->tracked.map_fault.empty())
+    statistics_.complain(&Counters::map_faults, finished->tracked.map_fault);
   if (const auto sentence = publishers_.look(finished->tracked))
     statistics_.complain(&Counters::two_publishers, *sentence);
 }

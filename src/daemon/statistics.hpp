@@ -31,6 +31,7 @@ struct Counters {
   std::int64_t clock = 0;           ///< stamped by another clock than the scans around them, and rejected
   std::int64_t clock_steps = 0;     ///< times the clock of the scans stepped
   std::int64_t two_publishers = 0;  ///< scans or messages that told of two publishers
+  std::int64_t map_faults = 0;      ///< times that points of the map could not be read
   std::int64_t without_time = 0;    ///< utime was not positive; the time of arrival was taken
   std::int64_t without_point_times = 0;  ///< scans with points, but no times of them
   std::int64_t nonfinite_points = 0;

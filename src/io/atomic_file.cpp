@@ -47,8 +47,11 @@ class TemporaryFile {
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
 
-  void write_all(std::string_view bytes) {
+  void begin() {
     if (ftruncate(fd_, 0) != 0) fail(name_);
+  }
+
+  void append(std::string_view bytes) {
     while (!bytes.empty()) {
       const ssize_t written = write(fd_, bytes.data(), bytes.size());
       if (written < 0 && errno == EINTR) continue;
@@ -94,13 +97,14 @@ void sync_directory_of(const fs::path& path) {
   close(fd);
 }
 
-void replace(const std::string& path, std::string_view bytes, bool synced) {
+void replace(const std::string& path, const std::function<void(const TakeBytes&)>& write, bool synced) {
   const Destination destination = destination_of(path);
   if (destination.kind == Destination::Kind::kDirectory) throw std::runtime_error(path + ": is a directory");
   if (destination.kind == Destination::Kind::kSpecial)
     throw std::runtime_error(path + ": not a regular file; it is not replaced");
   TemporaryFile temporary(path, destination.path);
-  temporary.write_all(bytes);
+  temporary.begin();
+  write([&](std::string_view bytes) { temporary.append(bytes); });
   if (synced) temporary.sync();
   temporary.rename_to_target();
   if (synced) sync_directory_of(destination.path);
@@ -108,12 +112,13 @@ void replace(const std::string& path, std::string_view bytes, bool synced) {
 
 }  // namespace
 
-void write_file_atomically(const std::string& path, const std::vector<std::uint8_t>& bytes) {
-  replace(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, true);
+void write_file_atomically(const std::string& path, const std::function<void(const TakeBytes&)>& write) {
+  replace(path, write, true);
 }
 
 void replace_file(const std::string& path, std::string_view bytes) {
-  replace(path, bytes, false);
+  replace(
+      path, [&](const TakeBytes& take) { take(bytes); }, false);
 }
 
 }  // namespace scanlock

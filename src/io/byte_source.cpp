@@ -4,10 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <stdexcept>
 #include <utility>
-
-#include "io/file_bytes.hpp"
 
 namespace scanlock {
 namespace {
@@ -19,7 +16,9 @@ constexpr std::size_t kPiece = 1u << 20;  // bytes
 ByteSource::ByteSource(const std::vector<std::uint8_t>& bytes)
     : size_(bytes.size()), window_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {}
 
-ByteSource::ByteSource(const std::string& path) : path_(path), file_(open_file(path, &size_)) {}
+ByteSource::ByteSource(const std::string& path) : file_(std::make_shared<const InputFile>(path)) {
+  size_ = file_->size();
+}
 
 void ByteSource::skip(std::size_t count) {
   offset_ += count;
@@ -28,7 +27,6 @@ void ByteSource::skip(std::size_t count) {
     return;
   }
   window_ = {};
-  file_.seekg(static_cast<std::streamoff>(offset_));
 }
 
 std::vector<std::uint8_t> ByteSource::take(std::size_t count) {
@@ -45,10 +43,8 @@ std::vector<std::uint8_t> ByteSource::take(std::size_t count) {
 void ByteSource::fill(std::size_t count) {
   std::vector<char> piece(std::min(std::max(count, kPiece), left()));
   std::copy(window_.begin(), window_.end(), piece.begin());
-  const std::size_t missing = piece.size() - window_.size();
-  file_.read(piece.data() + window_.size(), static_cast<std::streamsize>(missing));
-  if (!file_)
-    throw std::runtime_error(path_ + ": cannot read all of its " + std::to_string(size_) + " bytes");
+  const std::size_t held = window_.size();
+  file_->read(offset_ + held, piece.size() - held, piece.data() + held);
   piece_ = std::move(piece);
   window_ = {piece_.data(), piece_.size()};
 }

@@ -4,10 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "io/input_file.hpp"
 
 namespace scanlock {
 
@@ -16,14 +18,16 @@ class ByteSource {
  public:
   /// `bytes` must outlive this object.
   explicit ByteSource(const std::vector<std::uint8_t>& bytes);
-  /// Opens a file. Throws std::runtime_error as read_file_bytes(), here and where the file turns out shorter
-  /// than it was when it was opened.
+  /// Opens a file. Throws std::runtime_error as InputFile, here and where the file turns out shorter than it
+  /// was when it was opened.
   explicit ByteSource(const std::string& path);
   ByteSource(const ByteSource&) = delete;
   ByteSource& operator=(const ByteSource&) = delete;
 
   std::size_t offset() const { return offset_; }        ///< bytes that were skipped
   std::size_t left() const { return size_ - offset_; }  ///< bytes after those
+  /// Null for bytes of memory.
+  const std::shared_ptr<const InputFile>& file() const { return file_; }
   /// The bytes that come next: at least `count` of them or, where fewer are left, all. Valid until the next
   /// peek.
   std::string_view peek(std::size_t count) {
@@ -39,8 +43,7 @@ class ByteSource {
   void fill(std::size_t count);
 
   std::size_t offset_ = 0, size_ = 0;
-  std::string path_;
-  std::ifstream file_;       ///< stands at offset_ + window_.size()
+  std::shared_ptr<const InputFile> file_;
   std::vector<char> piece_;  ///< of the file
   std::string_view window_;  ///< from offset_ on
 };

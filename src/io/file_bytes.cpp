@@ -10,11 +10,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 
 #include "io/atomic_file.hpp"
 #include "io/destination.hpp"
+#include "io/input_file.hpp"
 
 namespace scanlock {
 namespace {
@@ -29,28 +29,10 @@ int open_special(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::ifstream open_file(const std::string& path, std::size_t* size) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found)
-    throw std::runtime_error(path + ": no such file");
-  if (error) throw std::runtime_error(path + ": cannot open: " + error.message());
-  if (std::filesystem::is_directory(status)) throw std::runtime_error(path + ": is a directory, not a file");
-  if (!std::filesystem::is_regular_file(status)) throw std::runtime_error(path + ": not a regular file");
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error(path + ": cannot open: " + std::strerror(errno));
-  *size = std::filesystem::file_size(path);
-  return file;
-}
-
 std::vector<std::uint8_t> read_file_bytes(const std::string& path) {
-  std::size_t size = 0;
-  std::ifstream file = open_file(path, &size);
-  std::vector<std::uint8_t> bytes(size);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (!file)
-    throw std::runtime_error(path + ": cannot read all of its " + std::to_string(bytes.size()) + " bytes");
+  const InputFile file(path);
+  std::vector<std::uint8_t> bytes(file.size());
+  file.read(0, bytes.size(), bytes.data());
   return bytes;
 }
 

@@ -8,13 +8,16 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <stdexcept>
+#include <string_view>
 #include <type_traits>
+#include <utility>
 
 #include "geometry/linear.hpp"
 #include "io/atomic_file.hpp"
+#include "io/byte_source.hpp"
 #include "io/crc32.hpp"
-#include "io/file_bytes.hpp"
 
 namespace scanlock {
 namespace {
@@ -65,8 +68,15 @@ int step_exponent(const PointCloud& points) {
   return exponent;
 }
 
+std::size_t finite_points(const PointCloud& points) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) count += is_finite(points, i) ? 1 : 0;
+  return count;
+}
+
 void put_keyframe(std::vector<std::uint8_t>& out, const ArchivedKeyframe& keyframe) {
-  const PointCloud& points = *keyframe.points;
+  const std::shared_ptr<const PointCloud> cloud = keyframe.points.cloud();
+  const PointCloud& points = *cloud;
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (is_finite(points, i)) kept.push_back(i);
@@ -76,9 +86,10 @@ void put_keyframe(std::vector<std::uint8_t>& out, const ArchivedKeyframe& keyfra
   put(out, bits_of<std::uint32_t>(keyframe.reach));
   put(out, bits_of<std::uint32_t>(exponent));
   put(out, static_cast<std::uint32_t>(kept.size()));
+  const double steps_a_metre = std::ldexp(1.0, -exponent);  // a power of two: the product is exact
   for (const auto* axis : {&points.x, &points.y, &points.z}) {
     for (const std::size_t i : kept) {
-      const double steps = std::round(std::ldexp(static_cast<double>((*axis)[i]), -exponent));
+      const double steps = std::round(static_cast<double>((*axis)[i]) * steps_a_metre);
       put(out, bits_of<std::uint16_t>(static_cast<std::int16_t>(std::clamp(steps, -kMostSteps, kMostSteps))));
     }
   }
@@ -97,42 +108,138 @@ void put_constraint(std::vector<std::uint8_t>& out, const Constraint& constraint
       put(out, bits_of<std::uint64_t>(constraint.information(row, column)));
 }
 
-/// Reads numbers off bytes; whoever asks for more than there is gets an error that says where and for what.
+std::string_view view(const std::vector<std::uint8_t>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+const std::uint8_t* data(std::string_view bytes) {
+  return reinterpret_cast<const std::uint8_t*>(bytes.data());
+}
+
+/// Coordinates as steps of 2^exponent metres: all x, then all y, then all z.
+PointCloud decoded_points(std::string_view bytes, int exponent) {
+  PointCloud points;
+  const std::size_t count = bytes.size() / kPointBytes;
+  const auto step = static_cast<float>(std::ldexp(1.0, exponent));
+  const std::uint8_t* at = data(bytes);
+  for (auto* axis : {&points.x, &points.y, &points.z}) {
+    axis->resize(count);
+    for (float& coordinate : *axis) {
+      const auto steps = bits_of<std::int16_t>(static_cast<std::uint16_t>(at[0] | at[1] << 8));
+      coordinate = step * static_cast<float>(steps);  // exact
+      at += 2;
+    }
+  }
+  return points;
+}
+
+/// The points of a keyframe in a map file.
+class PointsInFile : public StoredPoints {
+ public:
+  struct Part {
+    std::size_t offset = 0, count = 0;    ///< bytes, points
+    int exponent = 0;                     ///< of the step
+    std::uint32_t before = 0, after = 0;  ///< checksums of the file up to its begin and up to its end
+  };
+  PointsInFile(std::shared_ptr<const InputFile> file, const Part& part)
+      : file_(std::move(file)), part_(part) {}
+
+  std::size_t size() const override { return part_.count; }
+  /// A file may be written over while it is open: what is there now need not be what was loaded.
+  PointCloud read() const override {
+    std::vector<std::uint8_t> bytes(part_.count * kPointBytes);
+    try {
+      file_->read(part_.offset, bytes.size(), bytes.data());
+    } catch (const std::runtime_error& error) {
+      throw PointsUnreadable(error.what() + std::string(kToDo));
+    }
+    if (crc32(bytes.data(), bytes.size(), part_.before) != part_.after)
+      throw PointsUnreadable(file_->path() + ": was changed in place" + kToDo);
+    return decoded_points(view(bytes), part_.exponent);
+  }
+
+ private:
+  static constexpr const char* kToDo =
+      "; the map that was loaded from it has lost points: load a map again, and replace map files with mv";
+  const std::shared_ptr<const InputFile> file_;
+  const Part part_;
+};
+
+/// Reads numbers off bytes, and their checksum; whoever asks for more than there is gets an error that says
+/// where and for what.
 class MapReader {
  public:
-  MapReader(const std::vector<std::uint8_t>& bytes, std::string name)
-      : bytes_(bytes), end_(bytes.size()), name_(std::move(name)) {}
+  MapReader(ByteSource& source, std::string name) : source_(source), name_(std::move(name)) {}
 
   [[noreturn]] void fail(std::size_t at, const std::string& what) const {
     throw std::runtime_error(name_ + ": byte " + std::to_string(at) + ": " + what);
   }
   void need(std::uint64_t count, const char* what) const {
-    if (count > end_ - at_) {
-      fail(at_, std::string(what) + " would take " + std::to_string(count) + " bytes, " +
-                    std::to_string(end_ - at_) + " are left");
+    if (count > left()) {
+      fail(at(), std::string(what) + " would take " + std::to_string(count) + " bytes, " +
+                     std::to_string(left()) + " are left");
     }
   }
   template <typename Unsigned>
   Unsigned get(const char* what) {
     need(sizeof(Unsigned), what);
+    const std::uint8_t* bytes = data(source_.peek(sizeof(Unsigned)));
     std::uint64_t value = 0;
     for (std::size_t i = 0; i < sizeof(Unsigned); ++i)
-      value |= static_cast<std::uint64_t>(bytes_[at_ + i]) << (8 * i);
-    at_ += sizeof(Unsigned);
+      value |= static_cast<std::uint64_t>(bytes[i]) << (8 * i);
+    pass(sizeof(Unsigned));
     return static_cast<Unsigned>(value);
   }
-  std::size_t at() const { return at_; }
-  std::size_t left() const { return end_ - at_; }
-  void set_end(std::size_t end) { end_ = end; }
+  /// Points of a file stay there.
+  KeyframePoints points(std::uint64_t count, int exponent) {
+    need(count * kPointBytes, "the points");
+    PointsInFile::Part part;
+    part.count = static_cast<std::size_t>(count);
+    part.exponent = exponent;
+    part.offset = at();
+    part.before = checksum_;
+    const std::size_t size = part.count * kPointBytes;
+    if (!source_.file()) {
+      PointCloud cloud = decoded_points(source_.peek(size).substr(0, size), exponent);
+      pass(size);
+      return cloud;
+    }
+    pass(size);
+    part.after = checksum_;
+    return KeyframePoints(std::make_shared<const PointsInFile>(source_.file(), part));
+  }
+  /// Leaves the checksum at the end to check_sum().
+  void hold_back_checksum() { held_back_ = kChecksumBytes; }
+  /// Passes over what is left.
+  void check_sum() {
+    pass(left());
+    held_back_ = 0;
+    const std::size_t end = at();
+    const std::uint32_t sum = checksum_;
+    if (get<std::uint32_t>("the checksum") != sum)
+      fail(end, "the checksum does not fit: the file is damaged");
+  }
+  std::size_t at() const { return source_.offset(); }
+  std::size_t left() const { return source_.left() - held_back_; }
 
  private:
-  const std::vector<std::uint8_t>& bytes_;
-  std::size_t at_ = 0, end_;
+  void pass(std::size_t count) {
+    while (count > 0) {
+      const std::string_view piece = source_.peek(1).substr(0, count);
+      checksum_ = crc32(data(piece), piece.size(), checksum_);
+      source_.skip(piece.size());
+      count -= piece.size();
+    }
+  }
+
+  ByteSource& source_;
+  std::size_t held_back_ = 0;   ///< bytes at the end that are not for reading
+  std::uint32_t checksum_ = 0;  ///< of all that was read
   std::string name_;
 };
 
 /// Returns the version.
-std::uint32_t read_header(MapReader& reader, const std::vector<std::uint8_t>& bytes) {
+std::uint32_t read_header(MapReader& reader) {
   for (const std::uint8_t expected : kMagic) {
     const std::size_t at = reader.at();
     if (reader.left() == 0 || reader.get<std::uint8_t>("the mark of a map file") != expected)
@@ -153,13 +260,7 @@ std::uint32_t read_header(MapReader& reader, const std::vector<std::uint8_t>& by
                             " are there: the file is " +
                             (there < kChecksumBytes || body > there - kChecksumBytes ? "cut" : "too long"));
   }
-  const std::size_t end = bytes.size() - kChecksumBytes;
-  std::uint32_t expected = 0;
-  for (std::size_t i = 0; i < kChecksumBytes; ++i)
-    expected |= static_cast<std::uint32_t>(bytes[end + i]) << (8 * i);
-  if (crc32(bytes.data(), end) != expected)
-    reader.fail(end, "the checksum does not fit: the file is damaged");
-  reader.set_end(end);
+  reader.hold_back_checksum();
   return version;
 }
 
@@ -206,17 +307,7 @@ ArchivedKeyframe read_keyframe(MapReader& reader, std::uint32_t version) {
   if (exponent < kFinestStep || exponent > kCoarsestStep)
     reader.fail(at, "a step of 2^" + std::to_string(exponent) + " m is none of ours");
   const std::uint64_t count = reader.get<std::uint32_t>("the number of points");
-  reader.need(count * kPointBytes, "the points");
-  auto points = std::make_shared<PointCloud>();
-  const auto step = static_cast<float>(std::ldexp(1.0, exponent));
-  for (auto* axis : {&points->x, &points->y, &points->z}) {
-    axis->reserve(static_cast<std::size_t>(count));
-    for (std::uint64_t i = 0; i < count; ++i) {
-      const auto steps = bits_of<std::int16_t>(reader.get<std::uint16_t>("a coordinate"));
-      axis->push_back(step * static_cast<float>(steps));  // exact
-    }
-  }
-  keyframe.points = std::move(points);
+  keyframe.points = reader.points(count, exponent);
   if (version >= 2) keyframe.stands = read_stands(reader);
   return keyframe;
 }
@@ -255,43 +346,7 @@ Constraint read_constraint(MapReader& reader, std::uint64_t keyframes) {
   return constraint;
 }
 
-/// Another file's name in a command must not cost that file.
-void refuse_other_files(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) == 0) return;
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, kMagic.size()> start{};
-  file.read(start.data(), start.size());
-  if (!file || std::memcmp(start.data(), kMagic.data(), kMagic.size()) != 0)
-    throw std::runtime_error(path + ": is there and is not a scanlock map; it is not overwritten");
-}
-
-}  // namespace
-
-std::vector<std::uint8_t> encode_map(const SavedMap& map) {
-  std::vector<std::uint8_t> out(kMagic.begin(), kMagic.end());
-  std::size_t bytes = kHeaderBytes + kPoseBytes + 8 + kChecksumBytes;
-  for (const ArchivedKeyframe& keyframe : map.keyframes)
-    bytes +=
-        kKeyframeBytes + kPointBytes * keyframe.points->size() + 4 + kStandBytes * keyframe.stands.size();
-  out.reserve(bytes + 4 + kConstraintBytes * map.constraints.size());
-  put(out, kMapVersion);
-  put(out, std::uint64_t{0});  // known at the end
-  put(out, map.epoch);
-  put_pose(out, map.last_pose);
-  put(out, static_cast<std::uint32_t>(map.keyframes.size()));
-  for (const ArchivedKeyframe& keyframe : map.keyframes) put_keyframe(out, keyframe);
-  put(out, static_cast<std::uint32_t>(map.constraints.size()));
-  for (const Constraint& constraint : map.constraints) put_constraint(out, constraint);
-  const std::uint64_t body = out.size() - kHeaderBytes;
-  for (std::size_t i = 0; i < sizeof body; ++i) out[12 + i] = static_cast<std::uint8_t>(body >> (8 * i));
-  put(out, crc32(out.data(), out.size()));
-  return out;
-}
-
-SavedMap decode_map(const std::vector<std::uint8_t>& bytes, const std::string& name) {
-  MapReader reader(bytes, name);
-  const std::uint32_t version = read_header(reader, bytes);
+SavedMap read_body(MapReader& reader, std::uint32_t version) {
   SavedMap map;
   map.epoch = reader.get<std::uint32_t>("the epoch");
   map.last_pose = read_pose(reader, "the last pose");
@@ -310,17 +365,85 @@ SavedMap decode_map(const std::vector<std::uint8_t>& bytes, const std::string& n
   return map;
 }
 
+/// In one pass. Of a damaged file the checksum is what is wrong, whatever else seems to be.
+SavedMap decode(ByteSource& source, const std::string& name) {
+  MapReader reader(source, name);
+  const std::uint32_t version = read_header(reader);
+  SavedMap map;
+  try {
+    map = read_body(reader, version);
+  } catch (const std::runtime_error&) {
+    reader.check_sum();
+    throw;
+  }
+  reader.check_sum();
+  return map;
+}
+
+/// Hands the bytes of a file over piece by piece.
+void encode(const SavedMap& map, const TakeBytes& take) {
+  std::uint64_t body = 4 + kPoseBytes + 4 + 4 + kConstraintBytes * map.constraints.size();
+  for (const ArchivedKeyframe& keyframe : map.keyframes)
+    body += kKeyframeBytes + kPointBytes * finite_points(*keyframe.points.cloud()) + 4 +
+            kStandBytes * keyframe.stands.size();
+  std::vector<std::uint8_t> piece(kMagic.begin(), kMagic.end());
+  std::uint32_t checksum = 0;
+  const auto flush = [&] {
+    checksum = crc32(piece.data(), piece.size(), checksum);
+    take(view(piece));
+    piece.clear();
+  };
+  put(piece, kMapVersion);
+  put(piece, body);
+  put(piece, map.epoch);
+  put_pose(piece, map.last_pose);
+  put(piece, static_cast<std::uint32_t>(map.keyframes.size()));
+  for (const ArchivedKeyframe& keyframe : map.keyframes) {
+    put_keyframe(piece, keyframe);
+    flush();
+  }
+  put(piece, static_cast<std::uint32_t>(map.constraints.size()));
+  for (const Constraint& constraint : map.constraints) put_constraint(piece, constraint);
+  flush();
+  put(piece, checksum);
+  take(view(piece));
+}
+
+/// Another file's name in a command must not cost that file.
+void refuse_other_files(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) == 0) return;
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, kMagic.size()> start{};
+  file.read(start.data(), start.size());
+  if (!file || std::memcmp(start.data(), kMagic.data(), kMagic.size()) != 0)
+    throw std::runtime_error(path + ": is there and is not a scanlock map; it is not overwritten");
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode_map(const SavedMap& map) {
+  std::vector<std::uint8_t> bytes;
+  encode(map, [&](std::string_view piece) { bytes.insert(bytes.end(), piece.begin(), piece.end()); });
+  return bytes;
+}
+
+SavedMap decode_map(const std::vector<std::uint8_t>& bytes, const std::string& name) {
+  ByteSource source(bytes);
+  return decode(source, name);
+}
+
 void write_map(const std::string& path, const SavedMap& map) {
   refuse_other_files(path);
-  write_file_atomically(path, encode_map(map));
+  write_file_atomically(path, [&](const TakeBytes& take) { encode(map, take); });
 }
 
 SavedMap read_map(const std::string& path) {
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (!error && size > kMostBytes)
-    throw std::runtime_error(path + ": has " + std::to_string(size) + " bytes; no scanlock map is so large");
-  return decode_map(read_file_bytes(path), path);
+  ByteSource source(path);
+  if (source.left() > kMostBytes)
+    throw std::runtime_error(path + ": has " + std::to_string(source.left()) +
+                             " bytes; no scanlock map is so large");
+  return decode(source, path);
 }
 
 }  // namespace scanlock

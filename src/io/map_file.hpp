@@ -41,10 +41,12 @@ std::vector<std::uint8_t> encode_map(const SavedMap& map);
 SavedMap decode_map(const std::vector<std::uint8_t>& bytes, const std::string& name);
 
 /// Replaces the file in one step (see `write_file_atomically`). Throws std::runtime_error naming the path;
-/// also when another file than a map is there, which is then left alone.
+/// also when another file than a map is there, which is then left alone, and PointsUnreadable.
 void write_map(const std::string& path, const SavedMap& map);
 
-/// Throws std::runtime_error as decode_map, and for a file that cannot be read or has over 4 GB.
+/// The points stay in the file, which is kept open: see KeyframePoints. A file that takes its name, as
+/// write_map makes one, does not matter; where it is changed in place its points are unreadable. Throws
+/// std::runtime_error as decode_map, and for a file that cannot be read or has over 4 GB.
 SavedMap read_map(const std::string& path);
 
 }  // namespace scanlock

@@ -92,7 +92,8 @@ std::vector<Place> wide_floors(const std::vector<Place>& floor) {
       ++sizes.back();
       for (int x = at.cell.first - kAcross; x <= at.cell.first + kAcross; ++x) {
         constexpr float kLowest = -std::numeric_limits<float>::infinity();
-        auto next = std::lower_bound(floor.begin(), floor.end(), Place{{x, at.cell.second - kAcross}, kLowest});
+        auto next =
+            std::lower_bound(floor.begin(), floor.end(), Place{{x, at.cell.second - kAcross}, kLowest});
         for (; next != floor.end() && next->cell <= Cell(x, at.cell.second + kAcross); ++next) {
           const auto other = static_cast<std::uint32_t>(next - floor.begin());
           if (part[other] != kNone || std::abs(next->z - at.z) > kStep) continue;
@@ -282,8 +283,9 @@ SavedMap map_of_cloud(const PointCloud& cloud, const std::string& name, const Cl
 PointCloud cloud_of_map(const SavedMap& map, float voxel) {
   PointCloud all;
   for (const ArchivedKeyframe& k : map.keyframes) {
-    for (std::size_t i = 0; i < k.points->size(); ++i)
-      all.push_back((k.map_from_body * k.points->point(i).cast<double>()).cast<float>());
+    const std::shared_ptr<const PointCloud> points = k.points.cloud();
+    for (std::size_t i = 0; i < points->size(); ++i)
+      all.push_back((k.map_from_body * points->point(i).cast<double>()).cast<float>());
   }
   return select(all, thin_by_voxel(all, voxel));
 }

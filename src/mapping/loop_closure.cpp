@@ -20,7 +20,7 @@ constexpr double kWorthwhile = 2.0;  // times the variance that a closure leaves
 
 PreparedScan prepared(const ClosureRequest& request) {
   PreparedScan scan;
-  scan.source = scan.fine = *request.keyframe.points;
+  scan.source = scan.fine = *request.keyframe.points.cloud();
   scan.whole = scan.source.size();
   scan.voxel = request.voxel;
   scan.median_range = static_cast<double>(request.keyframe.reach);

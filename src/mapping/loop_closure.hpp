@@ -53,7 +53,8 @@ struct ClosureAnswer {
   std::int64_t serial = 0;
   std::uint32_t keyframe = 0, nearest = 0, nearest_keyframe = 0;  ///< as in the request
   ClosureOutcome outcome = ClosureOutcome::kRefused;
-  std::string reason;  ///< in words
+  std::string reason;     ///< in words
+  std::string map_fault;  ///< see TrackedScan; refused then
   /// Of the keyframe in the frame of `nearest`, with the closure where one is accepted.
   Matrix6 covariance = Matrix6::Zero();
   Constraint closure;  ///< from `nearest` to the keyframe; of a pending and an accepted one

@@ -60,7 +60,7 @@ class Merger {
         here_(second, static_cast<std::uint32_t>(there_.keyframes.size()) + 1),
         archive_(std::numeric_limits<std::size_t>::max()) {
     archive_.restore(there_.keyframes, true);
-    planar_ = !here_.keyframes.empty() && is_planar(*here_.keyframes.front().points);
+    planar_ = !here_.keyframes.empty() && is_planar(*here_.keyframes.front().points.cloud());
     learn();
   }
 

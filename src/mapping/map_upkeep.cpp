@@ -16,9 +16,10 @@ namespace {
 /// How much of what two keyframes show cannot both be there, whichever of them one asks (0 to 1).
 double contradiction(const ArchivedKeyframe& a, const ArchivedKeyframe& b) {
   const Pose a_from_b = a.map_from_body.inverse() * b.map_from_body;
-  const ScanView a_view(*a.points), b_view(*b.points);
-  return std::max(a_view.contradicted_share(*b.points, a_from_b, b_view),
-                  b_view.contradicted_share(*a.points, a_from_b.inverse(), a_view));
+  const std::shared_ptr<const PointCloud> a_points = a.points.cloud(), b_points = b.points.cloud();
+  const ScanView a_view(*a_points), b_view(*b_points);
+  return std::max(a_view.contradicted_share(*b_points, a_from_b, b_view),
+                  b_view.contradicted_share(*a_points, a_from_b.inverse(), a_view));
 }
 
 }  // namespace
@@ -97,7 +98,13 @@ void Mapper::drop_redundant(std::uint32_t id, const Revisit& revisit) {
   const double unsure = 3 * std::sqrt(revisit.covariance.diagonal().head<3>().maxCoeff());
   if (std::max(apart, unsure) > kSameSpot * static_cast<double>(newer->reach)) return;
   const bool fixed = tracker_.archive().is_fixed(old->id);
-  const bool changed = !fixed && contradiction(*old, *newer) > kClearContradiction;
+  bool changed = false;
+  try {
+    changed = !fixed && contradiction(*old, *newer) > kClearContradiction;
+  } catch (const PointsUnreadable& error) {
+    tracker_.note_map_fault(error.what());
+    return;  // both are kept
+  }
   const std::uint32_t gone = changed ? revisit.nearest : id, kept = changed ? id : revisit.nearest;
   Constraint between;
   between.from = revisit.nearest;

@@ -25,7 +25,8 @@ using MapRequest = std::variant<RecoveryRequest, SearchTarget, ClosureRequest, J
 /// Of a target that was described there is nothing to tell.
 using MapAnswer = std::variant<std::monostate, RecoveryAnswer, ClosureAnswer, JoinAnswer>;
 
-/// Works on a request; deterministic.
+/// Works on a request; deterministic. Where points cannot be read, nothing is found: see
+/// TrackedScan::map_fault.
 class MapWorker {
  public:
   explicit MapWorker(const TrackerConfig& config) : config_(config) {}

@@ -20,7 +20,7 @@ void join(const Excursion& excursion, const Pose& map_from_predicted, double rea
       tie = *k.tie;
       tie.from = added_before;
     }
-    archive->add(k.utime, here, static_cast<double>(k.reach), *k.points, tie);
+    archive->add(k.utime, here, static_cast<double>(k.reach), *k.points.cloud(), tie);
     seen_before = k.id;
     added_before = archive->keyframes().back().id;
   }

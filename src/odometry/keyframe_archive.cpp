@@ -29,7 +29,7 @@ bool stands_alike(const std::vector<Vector>& stands, const Vector& up) {
 
 /// z is taken to be up in the map frame.
 std::shared_ptr<const PlaceSignature> signature_of(const ArchivedKeyframe& k) {
-  return std::make_shared<const PlaceSignature>(*k.points, k.map_from_body.linear().cast<float>());
+  return std::make_shared<const PlaceSignature>(*k.points.cloud(), k.map_from_body.linear().cast<float>());
 }
 
 bool is_fresh(const ArchivedKeyframe& k, std::int64_t utime) {
@@ -92,7 +92,7 @@ void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double 
   keyframe.utime = utime;
   keyframe.map_from_body = map_from_body;
   keyframe.reach = static_cast<float>(reach);
-  keyframe.points = std::make_shared<const PointCloud>(std::move(thin));
+  keyframe.points = std::move(thin);
   keyframe.tie = tie;
   keyframe.signature = signature_of(keyframe);
   append(std::move(keyframe));
@@ -152,14 +152,21 @@ void KeyframeArchive::note_stand(const Pose& map_from_body) {
   if (stands.size() < kMostStands && !stands_alike(stands, up)) stands.push_back(up);
 }
 
-void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes, bool fixed) {
+std::string KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes, bool fixed) {
+  std::string fault;
   keyframes_ = std::move(keyframes);
   restored_ = static_cast<std::uint32_t>(keyframes_.size());
   fixed_ = fixed;
   next_id_ = 1;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     keyframes_[i].id = next_id_++;
-    keyframes_[i].signature = signature_of(keyframes_[i]);
+    try {
+      keyframes_[i].signature = signature_of(keyframes_[i]);
+    } catch (const PointsUnreadable& error) {
+      fault = error.what();
+      keyframes_[i].signature =
+          std::make_shared<const PlaceSignature>(PointCloud(), Eigen::Matrix3f::Identity());
+    }
     keyframes_[i].tie.reset();
     if (i == 0) continue;
     const ArchivedKeyframe& before = keyframes_[i - 1];
@@ -168,6 +175,7 @@ void KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes, bool fixe
     keyframes_[i].tie->to = keyframes_[i].id;
   }
   evict();
+  return fault;
 }
 
 double KeyframeArchive::begin_submap(const KeyframeArchive& seen) {
@@ -214,14 +222,14 @@ std::size_t KeyframeArchive::first_of_own() const {
 
 void KeyframeArchive::count_points() {
   points_ = 0;
-  for (std::size_t i = first_of_own(); i < keyframes_.size(); ++i) points_ += keyframes_[i].points->size();
+  for (std::size_t i = first_of_own(); i < keyframes_.size(); ++i) points_ += keyframes_[i].points.size();
 }
 
 void KeyframeArchive::evict() {
   count_points();
   const std::size_t first = first_of_own();
   std::size_t gone = first;  // up to there
-  while (points_ > max_points_ && gone + 1 < keyframes_.size()) points_ -= keyframes_[gone++].points->size();
+  while (points_ > max_points_ && gone + 1 < keyframes_.size()) points_ -= keyframes_[gone++].points.size();
   keyframes_.erase(keyframes_.begin() + static_cast<std::ptrdiff_t>(first),
                    keyframes_.begin() + static_cast<std::ptrdiff_t>(gone));
 }
@@ -255,15 +263,16 @@ PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const E
   PointCloud all;
   const std::vector<const ArchivedKeyframe*> seeing = keyframes_seeing(keyframes, centre, radius);
   std::size_t most = 0;
-  for (const ArchivedKeyframe* k : seeing) most += k->points->size();
+  for (const ArchivedKeyframe* k : seeing) most += k->points.size();
   for (std::vector<float>* v : {&all.x, &all.y, &all.z}) v->reserve(most);
   all.eyes.reserve(most);
   const auto radius2 = static_cast<float>(radius * radius);
   for (const ArchivedKeyframe* k : seeing) {
     const Eigen::Matrix3f rotation = k->map_from_body.linear().cast<float>();
     const Eigen::Vector3f translation = (k->map_from_body.translation() - centre).cast<float>();
-    for (std::size_t i = 0; i < k->points->size(); ++i) {
-      const Eigen::Vector3f p = rotation * k->points->point(i) + translation;
+    const std::shared_ptr<const PointCloud> points = k->points.cloud();
+    for (std::size_t i = 0; i < points->size(); ++i) {
+      const Eigen::Vector3f p = rotation * points->point(i) + translation;
       if (!(p.head<2>().squaredNorm() < radius2)) continue;
       all.push_back(p);
       all.eyes.push_back(translation);

@@ -6,11 +6,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
 #include "odometry/constraint.hpp"
+#include "odometry/keyframe_points.hpp"
 #include "odometry/place_signature.hpp"
 
 namespace scanlock {
@@ -21,10 +23,10 @@ inline constexpr double kSameSpot = 1.0 / 3.0;  ///< of the reach: keyframes so 
 
 /// A keyframe that is kept for relocalisation: a pose, and the points that were seen from there.
 struct ArchivedKeyframe {
-  std::int64_t utime = 0;                    ///< microseconds, stamp of the scan
-  Pose map_from_body = Pose::Identity();     ///< body: the sensor at the stamp
-  float reach = 0;                           ///< metres, median range of the scan: the size of the scene
-  std::shared_ptr<const PointCloud> points;  ///< x y z only, deskewed and thinned, body frame; never null
+  std::int64_t utime = 0;                 ///< microseconds, stamp of the scan
+  Pose map_from_body = Pose::Identity();  ///< body: the sensor at the stamp
+  float reach = 0;                        ///< metres, median range of the scan: the size of the scene
+  KeyframePoints points = {};             ///< x y z only, deskewed and thinned, body frame
   /// The ways in which the body stood about here: its z axis, axes of the map, some degrees apart.
   std::vector<Eigen::Vector3f> stands = {};
   std::uint32_t id = 0;  ///< from 1 on, in the order in which they were added
@@ -77,8 +79,10 @@ class KeyframeArchive {
   /// The body stood like this: on slopes that differs from one step to the next.
   void note_stand(const Pose& map_from_body);
   /// What was saved: it never gives way, and does not count for the cap. Ids are places in the list, from 1
-  /// on; each is tied to the one before, rigidly. `fixed`: nothing moves or replaces it either.
-  void restore(std::vector<ArchivedKeyframe> keyframes, bool fixed = false);
+  /// on; each is tied to the one before, rigidly. `fixed`: nothing moves or replaces it either. Returns why
+  /// stored points cannot be read, where some cannot (see PointsUnreadable): nothing looks like what they
+  /// show.
+  std::string restore(std::vector<ArchivedKeyframe> keyframes, bool fixed = false);
   bool is_fixed(std::uint32_t id) const { return fixed_ && id <= restored_; }
   /// The keyframe `gone` leaves; how the body stood there is noted where it is `kept`. Both have to be there.
   void replace(std::uint32_t gone, std::uint32_t kept);

@@ -130,17 +130,17 @@ void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
   }
   std::stable_sort(nearest.begin(), nearest.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  first_.points = {};
   std::vector<Keyframe> keyframes;
   // The nearest last: the map forgets from the front.
   for (auto k = nearest.rbegin(); k != nearest.rend(); ++k) {
     Keyframe keyframe;
     keyframe.utime = k->second->utime;
     keyframe.map_from_body = k->second->map_from_body;
-    keyframe.points = *k->second->points;
-    last_keyframe_pose_ = keyframe.map_from_body;
+    keyframe.points = *k->second->points.cloud();
     keyframes.push_back(std::move(keyframe));
   }
+  first_.points = {};
+  if (!keyframes.empty()) last_keyframe_pose_ = keyframes.back().map_from_body;
   map_.load(std::move(keyframes), voxel, centres.size());
 }
 

@@ -70,7 +70,7 @@ class Odometer {
   void set_planar(bool planar);
   bool planar() const { return map_.planar(); }
   /// The map becomes the archived keyframes around the `centres` (map frame): around each as many as around
-  /// that one alone. The usual energy stays.
+  /// that one alone. The usual energy stays. Throws PointsUnreadable, and changes nothing then.
   void reload(const std::vector<ArchivedKeyframe>& archived, const std::vector<Eigen::Vector3d>& centres,
               double voxel);
 

@@ -32,10 +32,14 @@ PlaceSignature::PlaceSignature(const PointCloud& points, const Eigen::Matrix3f& 
       wide[sector * kRings + ring] = std::max(counts[sector * kRings + ring], kBeside * beside);
     }
   }
+  cells_.reserve(static_cast<std::size_t>(
+      std::count_if(wide.begin(), wide.end(), [](double value) { return value > 0; })));
   double sum = 0;
   for (std::size_t i = 0; i < kCells; ++i) {
-    cells_[i] = cells_[i + kCells] = static_cast<std::int16_t>(std::lround(std::min(16 * wide[i], 1000.0)));
-    sum += static_cast<double>(cells_[i]) * cells_[i];
+    if (!(wide[i] > 0)) continue;
+    const auto value = static_cast<std::int16_t>(std::lround(std::min(16 * wide[i], 1000.0)));
+    cells_.push_back({static_cast<std::uint8_t>(i % kRings), static_cast<std::uint8_t>(i / kRings), value});
+    sum += static_cast<double>(value) * value;
   }
   norm_ = std::sqrt(sum);
 }
@@ -61,14 +65,16 @@ bool PlaceSignature::count(const PointCloud& points, const Eigen::Matrix3f& leve
 
 double PlaceSignature::similarity(const PlaceSignature& other) const {
   if (!(norm_ > 0 && other.norm_ > 0)) return 0;
-  std::int32_t most = 0;
-  for (std::size_t turn = 0; turn < kCells; turn += kRings) {
-    std::int32_t sum = 0;  // exact: the result depends on no order
-    for (std::size_t i = 0; i < kCells; ++i)
-      sum += static_cast<std::int32_t>(cells_[i]) * static_cast<std::int32_t>(other.cells_[turn + i]);
-    most = std::max(most, sum);
+  std::array<std::array<std::int16_t, 2 * kSectors>, kRings> twice_around{};
+  for (const Cell& cell : cells_)
+    twice_around[cell.ring][cell.sector] = twice_around[cell.ring][cell.sector + kSectors] = cell.value;
+  std::array<std::int32_t, kSectors> sums{};  // of each turn; exact, so that they depend on no order
+  for (const Cell& cell : other.cells_) {
+    const std::int16_t* ring = &twice_around[cell.ring][cell.sector];
+    for (std::size_t turn = 0; turn < kSectors; ++turn)
+      sums[turn] += static_cast<std::int32_t>(cell.value) * static_cast<std::int32_t>(ring[turn]);
   }
-  return static_cast<double>(most) / (norm_ * other.norm_);
+  return static_cast<double>(*std::max_element(sums.begin(), sums.end())) / (norm_ * other.norm_);
 }
 
 }  // namespace scanlock

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
@@ -29,8 +30,12 @@ class PlaceSignature {
   static bool count(const PointCloud& points, const Eigen::Matrix3f& level, bool high,
                     std::array<double, kCells>* counts);
 
-  /// Square roots of counts, in sixteenths; sector after sector, twice around.
-  std::array<std::int16_t, 2 * kCells> cells_{};
+  /// A cell that is not empty.
+  struct Cell {
+    std::uint8_t ring, sector;
+    std::int16_t value;  ///< square root of a count, in sixteenths
+  };
+  std::vector<Cell> cells_;
   double norm_ = 0;
 };
 

@@ -86,7 +86,7 @@ PlaceFinder::Target::Target(const SearchTarget& wanted)
   description = describe(
       moved(submap_around(wanted.places, centre, radius, wanted.voxel), Pose(level_rotation(up))), options);
   for (const ArchivedKeyframe* k : keyframes_seeing(wanted.places, centre, radius))
-    raw_points += k->points->size();
+    raw_points += k->points.size();
 }
 
 PlaceFinder::Target& PlaceFinder::known(const SearchTarget& wanted, double* cost_s) {

@@ -97,6 +97,7 @@ struct RecoveryAnswer {
   PlaceEvidence evidence = PlaceEvidence::kSome;
   double contradiction = 0;  ///< see CloudFit; of the likeliest place
   std::string reason;
+  std::string map_fault;  ///< see TrackedScan; nothing was found then
   std::int64_t nodes = 0;
   double search_ms = 0, total_ms = 0;  ///< CPU
   /// Seconds of CPU that it takes about, by the points described and the matches looked at: the same on every

@@ -95,6 +95,9 @@ struct TrackedScan {
   int loop_closures = 0;               ///< accepted so far
   std::optional<std::uint32_t> stamp;  ///< see PoseHistory; none where no history is kept
   std::optional<Recovery> recovery;    ///< the attempt that ended with this scan
+  /// Stored points of the map could not be read (see PointsUnreadable), in words; empty where all could. The
+  /// map stays as it is, without what they were wanted for.
+  std::string map_fault;
 };
 
 }  // namespace scanlock

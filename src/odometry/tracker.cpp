@@ -62,6 +62,7 @@ struct Tracker::State {
   // there is no place to come back to.
   bool open = false;
   int quiet_scans_left = 0;  // see kQuietScans
+  std::string map_fault;     // to be told with the next scan
 
   Relocation relocation;
 
@@ -275,8 +276,7 @@ struct Tracker::State {
     const Pose predicted = relocation.excursion().state().pose;
     join(relocation.excursion(), renormalised(attempt.alignment.moving.pose * predicted.inverse()),
          scan.median_range, &archive);
-    if (relocation.map_of_several())
-      odometer->reload(archive.keyframes(), {attempt.alignment.moving.pose.translation()}, scale.current(0));
+    if (relocation.map_of_several()) reload(attempt.alignment.moving.pose.translation());
     jumped = true;
     trust(scan, attempt);
     jump(predicted, odometer->state().pose);
@@ -304,6 +304,15 @@ struct Tracker::State {
   }
 
   void lose() { relocation.begin(*odometer, check.last(), check.looks_alike(), archive); }
+
+  /// The local map becomes what is archived around there; it stays where that cannot be read.
+  void reload(const Eigen::Vector3d& centre) {
+    try {
+      odometer->reload(archive.keyframes(), {centre}, scale.current(0));
+    } catch (const PointsUnreadable& error) {
+      map_fault = error.what();
+    }
+  }
 
   // ---- reporting
 
@@ -338,6 +347,7 @@ struct Tracker::State {
     tracked->covariance = odometer->pose_covariance() + odometer->drift();
     tracked->keyframes = static_cast<int>(odometer->map().keyframes().size());
     tracked->map_points = static_cast<int>(odometer->map().size());
+    tracked->map_fault = std::exchange(map_fault, {});
     tracked->recovery = relocation.take_ended();
     if (tracked->recovery) {
       tracked->recovery->epoch = epoch;
@@ -404,7 +414,16 @@ std::optional<RecoveryRequest> Tracker::take_request() {
 
 void Tracker::give(RecoveryAnswer answer) {
   State& s = *state_;
-  s.relocation.give(std::move(answer), s.archive, s.scale.current(0), *s.odometer);
+  note_map_fault(answer.map_fault);
+  try {
+    s.relocation.give(std::move(answer), s.archive, s.scale.current(0), *s.odometer);
+  } catch (const PointsUnreadable& error) {  // what was found cannot be tried; the search goes on
+    note_map_fault(error.what());
+  }
+}
+
+void Tracker::note_map_fault(const std::string& fault) {
+  if (!fault.empty()) state_->map_fault = fault;
 }
 
 void Tracker::set_stage_observer(std::function<void(Stage)> observer) {
@@ -435,7 +454,7 @@ void Tracker::set_pose(const Pose& map_from_body) {
     s.state = TrackingState::kInitialising;
     return;
   }
-  s.odometer->reload(s.archive.keyframes(), {here.translation()}, s.scale.current(0));
+  s.reload(here.translation());
   s.lose();
   s.relocation.propose_here();
 }
@@ -453,7 +472,7 @@ void Tracker::load(SavedMap saved, bool fixed) {
   const Pose level(level_rotation(saved.up));
   s.map_from_own = level.inverse() * upright(level * saved.keyframes.front().map_from_body);
   saved = moved(saved, s.map_from_own.inverse());
-  s.archive.restore(std::move(saved.keyframes), fixed);
+  note_map_fault(s.archive.restore(std::move(saved.keyframes), fixed));
   s.time.start_after(s.archive.keyframes().back().utime);
   s.check.restart(saved.last_pose, 0);
   s.jump(s.odometer->state().pose, saved.last_pose);

@@ -44,6 +44,8 @@ class Tracker {
   /// thread on a robot, and gives the answer to `give` between two scans. No other is due before that.
   std::optional<RecoveryRequest> take_request();
   void give(RecoveryAnswer answer);
+  /// To be told with the next scan: see TrackedScan::map_fault.
+  void note_map_fault(const std::string& fault);
 
   /// Called at the end of each stage of `track`, for timing.
   void set_stage_observer(std::function<void(Stage)> observer);

@@ -35,6 +35,7 @@ class Bench {
     pipeline_.finish();
     return tracked_;
   }
+  const std::vector<TrackedScan>& tracked() const { return tracked_; }
   Counters counters() const { return statistics_.report().counters; }
 
  private:
@@ -85,7 +86,7 @@ TEST_CASE("a map is saved on command and loaded again") {
   CHECK(bench.counters().commands == 1);
   const SavedMap map = read_map(folder / "hall.map");
   REQUIRE(map.keyframes.size() >= 1);
-  CHECK(map.keyframes[0].points->size() > 100);
+  CHECK(map.keyframes[0].points.size() > 100);
 
   Bench again{Config{}};
   again.command(CommandKind::kLoadMap, folder / "hall.map");
@@ -248,4 +249,38 @@ TEST_CASE("until a place in a loaded map is believed a pose is not one of the ma
   again.scan(0);
   again.scan(1);
   CHECK_FALSE(again.end().back().localised);
+}
+
+TEST_CASE("a map file that is written over in place is told of and costs no scan and no other map") {
+  const TemporaryDirectory folder;
+  Config config;
+  config.daemon.map.file = folder / "hall.map";
+  {
+    Bench bench(config);
+    for (int i = 0; i < 3; ++i) bench.scan(i);
+    bench.end();
+  }
+  const Bytes good = file_bytes(config.daemon.map.file), damaged(good.begin(), good.begin() + 200);
+  Bench bench(config, Pipeline::Mode::kReplay);
+  write_file(config.daemon.map.file, damaged);
+  for (int i = 100; i < 110; ++i) bench.scan(i);
+  Counters counters = bench.counters();
+  CHECK(counters.map_faults > 0);
+  CHECK(
+      counters.last_error ==
+      config.daemon.map.file + ": cannot read all of its " + std::to_string(good.size()) +
+          " bytes; the map that was loaded from it has lost points: load a map again, and replace map files "
+          "with mv");
+
+  write_file(folder / "again.map", good);
+  bench.command(CommandKind::kLoadMap, folder / "again.map");
+  const std::int64_t faults = counters.map_faults;
+  for (int i = 110; i < 140; ++i) bench.scan(i);
+  const std::vector<TrackedScan> tracked = bench.tracked();
+  CHECK(bench.counters().map_faults == faults);
+  for (const TrackedScan& scan : tracked) CHECK(scan.verdict == ScanVerdict::kTracked);
+  for (std::size_t i = 1; i < 10; ++i) CHECK(tracked[i].epoch == tracked[0].epoch);
+  CHECK(tracked.back().localised);
+  CHECK(tracked.back().state == TrackingState::kTracking);
+  CHECK(file_bytes(config.daemon.map.file) == damaged);
 }

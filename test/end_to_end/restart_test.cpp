@@ -167,7 +167,7 @@ TEST_CASE("a map file that was written halfway stops the start and is named") {
   scanlock::SavedMap map;
   scanlock::PointCloud points;
   for (int i = 0; i < 100; ++i) points.push_back({0.1f * static_cast<float>(i), 1, 2});
-  map.keyframes.push_back({1, Pose::Identity(), 5, std::make_shared<const scanlock::PointCloud>(points)});
+  map.keyframes.push_back({1, Pose::Identity(), 5, points});
   scanlock::write_map(file, map);
   const auto size = std::filesystem::file_size(file);
   for (const auto left : {size - 1, size / 2, decltype(size){20}, decltype(size){0}}) {

@@ -138,11 +138,12 @@ TEST_CASE("in a bare cloud keyframes stand in rooms, see their walls and none of
       CHECK(eye.z() < 2.5);
       ++(eye.x() < 8 ? left : right);
       std::size_t through = 0;
-      for (std::size_t i = 0; i < k.points->size(); ++i) {
-        const double x = (room_from_eye * k.points->point(i).cast<double>()).x();
+      const PointCloud points = *k.points.cloud();
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const double x = (room_from_eye * points.point(i).cast<double>()).x();
         if (eye.x() < 8 ? x > 8.3 : x < 7.7) ++through;
       }
-      CHECK(static_cast<double>(through) < 0.05 * static_cast<double>(k.points->size()));
+      CHECK(static_cast<double>(through) < 0.05 * static_cast<double>(points.size()));
       CHECK(k.reach > 0.5F);
       CHECK(k.reach < 8);
     }
@@ -228,8 +229,8 @@ TEST_CASE("a map depends neither on the order in which the points of its cloud c
   REQUIRE(parts.keyframes.size() == whole.keyframes.size());
   for (std::size_t i = 0; i < whole.keyframes.size(); ++i) {
     CHECK(parts.keyframes[i].map_from_body.matrix() == whole.keyframes[i].map_from_body.matrix());
-    CHECK(parts.keyframes[i].points->x == whole.keyframes[i].points->x);
-    CHECK(parts.keyframes[i].points->z == whole.keyframes[i].points->z);
+    CHECK(parts.keyframes[i].points.cloud()->x == whole.keyframes[i].points.cloud()->x);
+    CHECK(parts.keyframes[i].points.cloud()->z == whole.keyframes[i].points.cloud()->z);
   }
 }
 

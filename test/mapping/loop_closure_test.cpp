@@ -19,7 +19,7 @@ ArchivedKeyframe keyframe(std::uint32_t id, const Pose& truth, const Pose& belie
   k.id = id;
   k.reach = 8;
   k.map_from_body = believed;
-  k.points = std::make_shared<const PointCloud>(std::move(points));
+  k.points = std::move(points);
   return k;
 }
 
@@ -104,9 +104,9 @@ TEST_CASE("no loop is closed farther off than odometry can be, nor where somethi
   CHECK(close_loop(two_visits(at(0.4, -0.3, 0.05), 0.03, 0.004), {}).outcome == ClosureOutcome::kRefused);
   ClosureRequest request = two_visits(Pose::Identity(), 0.3, 0.04);
   for (ArchivedKeyframe& k : request.earlier) {  // another hall, half as long
-    PointCloud other = *k.points;
+    PointCloud other = *k.points.cloud();
     for (float& x : other.x) x *= 0.5F;
-    k.points = std::make_shared<const PointCloud>(std::move(other));
+    k.points = std::move(other);
   }
   const ClosureAnswer answer = close_loop(request, {});
   CAPTURE(answer.reason);

@@ -65,8 +65,8 @@ TEST_CASE("a place is thinned and the oldest places give way to the cap") {
   KeyframeArchive archive(3001);
   for (int i = 0; i < 5; ++i) {
     archive.add(i, shifted(10 * i, 0), 20, ring(50000, 20));
-    CHECK(archive.keyframes().back().points->size() <= 3000);
-    CHECK(archive.keyframes().back().points->size() > 300);
+    CHECK(archive.keyframes().back().points.size() <= 3000);
+    CHECK(archive.keyframes().back().points.size() > 300);
     CHECK(archive.points() <= 3001);
   }
   CHECK(archive.keyframes().back().utime == 4);

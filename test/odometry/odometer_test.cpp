@@ -48,7 +48,7 @@ TEST_CASE("of each of several places the map is as large as of that place alone,
         points.push_back({static_cast<float>(i % 6), static_cast<float>(i / 6), 0});
       ArchivedKeyframe keyframe;
       keyframe.map_from_body = Pose(Eigen::Translation3d(centre + Eigen::Vector3d(0, 0, 2.0 * k)));
-      keyframe.points = std::make_shared<PointCloud>(points);
+      keyframe.points = points;
       archive.push_back(std::move(keyframe));
     }
   }

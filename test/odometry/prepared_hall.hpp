@@ -38,7 +38,7 @@ inline PointCloud hall_map() {
 }
 
 inline ArchivedKeyframe archived(const Pose& pose, const PointCloud& points) {
-  return {0, pose, 10.0f, std::make_shared<PointCloud>(points)};
+  return {0, pose, 10.0f, points};
 }
 
 }  // namespace scanlock
