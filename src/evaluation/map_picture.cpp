@@ -14,14 +14,15 @@
 namespace scanlock {
 namespace {
 
-constexpr double kLeft = 76, kTop = 70, kWidth = 890, kHeight = 760;  // pixels, of the panel
-constexpr double kCells = 450;                                        // of the plan, along its longer side
-constexpr float kLevel = 0.25F;  // metres: points on three such levels, one above the other, stand
-constexpr std::size_t kListed = 12, kLongest = 130;  // corrections, and letters of their evidence
+constexpr double kPlanLeft = 76, kPlanTop = 70, kPlanWidth = 890, kPlanHeight = 760;  // pixels, of the panel
+constexpr double kPlanCells = 450;       // of the plan, along its longer side
+constexpr float kStandingLevel = 0.25F;  // metres: points on three such levels, one above the other, stand
+constexpr std::size_t kListedCorrections = 12,
+                      kLongestEvidence = 130;  // corrections, and letters of their evidence
 
-using Cell = std::pair<int, int>;
+using PlanCell = std::pair<int, int>;
 
-struct Extent {
+struct PlanExtent {
   Eigen::Vector2d least = Eigen::Vector2d::Constant(1e9), most = Eigen::Vector2d::Constant(-1e9);
   void add(const Eigen::Vector2d& p) {
     least = least.cwiseMin(p);
@@ -31,12 +32,12 @@ struct Extent {
 
 /// The middles of the cells in which something stands.
 Points2 plan_of(const PointCloud& map, double cell) {
-  std::map<Cell, std::set<int>> levels;
+  std::map<PlanCell, std::set<int>> levels;
   for (std::size_t i = 0; i < map.size(); ++i) {
     const Eigen::Vector3f p = map.point(i);
-    const Cell at(static_cast<int>(std::floor(static_cast<double>(p.x()) / cell)),
-                  static_cast<int>(std::floor(static_cast<double>(p.y()) / cell)));
-    levels[at].insert(static_cast<int>(std::floor(p.z() / kLevel)));
+    const PlanCell at(static_cast<int>(std::floor(static_cast<double>(p.x()) / cell)),
+                      static_cast<int>(std::floor(static_cast<double>(p.y()) / cell)));
+    levels[at].insert(static_cast<int>(std::floor(p.z() / kStandingLevel)));
   }
   Points2 plan;
   for (const auto& [at, heights] : levels) {
@@ -50,7 +51,7 @@ Points2 plan_of(const PointCloud& map, double cell) {
   return plan;
 }
 
-std::string text(double x, double y, const char* css_class, const std::string& words) {
+std::string line_of_text(double x, double y, const char* css_class, const std::string& words) {
   char head[96];
   std::snprintf(head, sizeof head, "<text class=\"%s\" x=\"%.0f\" y=\"%.0f\">", css_class, x, y);
   return head + escaped(words) + "</text>\n";
@@ -59,7 +60,7 @@ std::string text(double x, double y, const char* css_class, const std::string& w
 }  // namespace
 
 std::string map_svg(const MapPicture& picture) {
-  Extent extent;
+  PlanExtent extent;
   for (std::size_t i = 0; i < picture.map.size(); ++i)
     extent.add(picture.map.point(i).head<2>().cast<double>());
   for (const auto& way : picture.ways)
@@ -69,13 +70,13 @@ std::string map_svg(const MapPicture& picture) {
     extent.most = Eigen::Vector2d::Constant(1);
   }
   const Eigen::Vector2d margin = 0.02 * (extent.most - extent.least);
-  const SvgPanel panel =
-      SvgPanel::equal_scales({kLeft, kTop, kWidth, kHeight}, extent.least - margin, extent.most + margin);
-  const std::size_t listed = std::min(picture.corrections.size(), kListed);
+  const SvgPanel panel = SvgPanel::equal_scales({kPlanLeft, kPlanTop, kPlanWidth, kPlanHeight},
+                                                extent.least - margin, extent.most + margin);
+  const std::size_t listed = std::min(picture.corrections.size(), kListedCorrections);
   char head[160];
   std::snprintf(head, sizeof head,
                 "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 1000 %.0f\" width=\"1000\">\n",
-                kTop + kHeight + 70 + 20 * static_cast<double>(listed));
+                kPlanTop + kPlanHeight + 70 + 20 * static_cast<double>(listed));
   std::string svg = head;
   svg +=
       "<style>text { font-family: \"DejaVu Sans\", Verdana, sans-serif; fill: #202124; } .title { font-size: "
@@ -85,10 +86,12 @@ std::string map_svg(const MapPicture& picture) {
       "2; stroke-linecap: round; fill: none; } .way { stroke: #1a73e8; stroke-width: 2; fill: none; } .place "
       "{ "
       "fill: #d93025; }</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
-  svg += text(kLeft, 32, "title", picture.title) +
-         text(kLeft, 54, "axis", "grey: what stands in the map; blue: the way; red: found, or corrected") +
+  svg += line_of_text(kPlanLeft, 32, "title", picture.title) +
+         line_of_text(kPlanLeft, 54, "axis",
+                      "grey: what stands in the map; blue: the way; red: found, or corrected") +
          panel.grid("x (m)", "y (m)", 9, 8) + "<path class=\"plan\" d=\"";
-  for (const Eigen::Vector2d& p : plan_of(picture.map, (extent.most - extent.least).maxCoeff() / kCells)) {
+  for (const Eigen::Vector2d& p :
+       plan_of(picture.map, (extent.most - extent.least).maxCoeff() / kPlanCells)) {
     const Eigen::Vector2d at = panel.to_pixels(p);
     char dot[40];
     std::snprintf(dot, sizeof dot, "M%.1f %.1fh0", at.x(), at.y());
@@ -108,8 +111,9 @@ std::string map_svg(const MapPicture& picture) {
     char when[48];
     std::snprintf(when, sizeof when, "%zu  at %.1f s: ", i + 1, correction.time_s);
     std::string evidence = correction.evidence;
-    if (evidence.size() > kLongest) evidence = evidence.substr(0, kLongest - 3) + "...";
-    svg += text(kLeft, kTop + kHeight + 60 + 20 * static_cast<double>(i), "found", when + evidence);
+    if (evidence.size() > kLongestEvidence) evidence = evidence.substr(0, kLongestEvidence - 3) + "...";
+    svg += line_of_text(kPlanLeft, kPlanTop + kPlanHeight + 60 + 20 * static_cast<double>(i), "found",
+                        when + evidence);
   }
   return svg + "</svg>\n";
 }

@@ -81,6 +81,17 @@ void LocalMap::load(std::vector<Keyframe> keyframes, double voxel, std::size_t p
   index_all();
 }
 
+void LocalMap::found_on(std::vector<Keyframe> fixed, double voxel) {
+  std::vector<Keyframe> all;
+  for (Keyframe& keyframe : fixed) {
+    keyframe.fixed = true;
+    all.push_back(std::move(keyframe));
+  }
+  for (Keyframe& keyframe : keyframes_)
+    if (!keyframe.fixed) all.push_back(std::move(keyframe));
+  load(std::move(all), voxel);
+}
+
 void LocalMap::index_all() {
   tree_.rebuild(cloud_);
   surfaces_.reset(cloud_, tree_, static_cast<float>(kSurfaceVoxels * voxel_), planar_);
@@ -105,18 +116,22 @@ void LocalMap::forget(const Eigen::Vector3d& here, const LocalMapLimits& limits)
     return k.id != newest && (k.map_from_body.translation() - here).norm() > limits.max_distance;
   };
   keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(), far), keyframes_.end());
-  while (static_cast<int>(keyframes_.size()) > std::max(limits.max_keyframes, 1)) keyframes_.pop_front();
+  const auto oldest = [&] {
+    return std::find_if(keyframes_.begin(), keyframes_.end(), [](const Keyframe& k) { return !k.fixed; });
+  };
+  auto own = std::count_if(keyframes_.begin(), keyframes_.end(), [](const Keyframe& k) { return !k.fixed; });
+  for (; own > std::max(limits.max_keyframes, 1); --own) keyframes_.erase(oldest());
 
   std::unordered_set<std::uint32_t> kept;
   std::size_t points = keyframes_.back().points.size();
   for (const Keyframe& k : keyframes_) kept.insert(k.id);
   // The cap counts points of the map; the oldest keyframes give way.
   for (std::uint32_t id : last_seen_) points += kept.count(id);
-  while (points > static_cast<std::size_t>(limits.max_points) && keyframes_.size() > 1) {
-    const std::uint32_t oldest = keyframes_.front().id;
-    points -= static_cast<std::size_t>(std::count(last_seen_.begin(), last_seen_.end(), oldest));
-    kept.erase(oldest);
-    keyframes_.pop_front();
+  for (; points > static_cast<std::size_t>(limits.max_points) && own > 1; --own) {
+    const auto gone = oldest();
+    points -= static_cast<std::size_t>(std::count(last_seen_.begin(), last_seen_.end(), gone->id));
+    kept.erase(gone->id);
+    keyframes_.erase(gone);
   }
 
   std::vector<std::uint32_t> stay, last_seen;

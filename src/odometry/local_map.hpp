@@ -18,7 +18,8 @@ struct Keyframe {
   std::uint32_t id = 0;
   std::int64_t utime = 0;
   Pose map_from_body = Pose::Identity();
-  PointCloud points;  ///< deskewed and thinned, body frame
+  PointCloud points;   ///< deskewed and thinned, body frame
+  bool fixed = false;  ///< of a given map, which is right: see LocalMap::found_on()
 };
 
 struct LocalMapLimits {
@@ -44,6 +45,9 @@ class LocalMap {
   /// Replaces all keyframes, as if these were inserted in this order, but indexed once. `voxel` in metres.
   /// `places`: the number of places they are of; the limits hold for each place, until the next insert.
   void load(std::vector<Keyframe> keyframes, double voxel, std::size_t places = 1);
+  /// The fixed keyframes of the map become these. A voxel that one of them shows is theirs, so that the other
+  /// keyframes only show what the given map does not. They do not count for the limits. `voxel` in metres.
+  void found_on(std::vector<Keyframe> fixed, double voxel);
   /// Whether scans are of a planar sensor from now on: surfaces are then vertical.
   void set_planar(bool planar);
   bool planar() const { return planar_; }

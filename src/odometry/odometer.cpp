@@ -112,8 +112,11 @@ void Odometer::set_planar(bool planar) {
   errors_.start(filter_.covariance());
 }
 
-void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
-                      const std::vector<Eigen::Vector3d>& centres, double voxel) {
+namespace {
+
+/// Of the archived keyframes around each of the `centres` the nearest ones, `most` of each: the nearest last.
+std::vector<Keyframe> nearest_keyframes(const std::vector<ArchivedKeyframe>& archived,
+                                        const std::vector<Eigen::Vector3d>& centres, int most) {
   // Of each, its distance to the nearest centre that wants it.
   std::vector<double> wanted(archived.size(), std::numeric_limits<double>::infinity());
   for (const Eigen::Vector3d& centre : centres) {
@@ -121,7 +124,7 @@ void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
     for (std::size_t i = 0; i < archived.size(); ++i)
       around.emplace_back((archived[i].map_from_body.translation() - centre).norm(), i);
     std::sort(around.begin(), around.end());
-    around.resize(std::min(around.size(), static_cast<std::size_t>(config_.max_keyframes)));
+    around.resize(std::min(around.size(), static_cast<std::size_t>(most)));
     for (const auto& [distance, i] : around) wanted[i] = std::min(wanted[i], distance);
   }
   std::vector<std::pair<double, const ArchivedKeyframe*>> nearest;
@@ -131,7 +134,6 @@ void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
   std::stable_sort(nearest.begin(), nearest.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Keyframe> keyframes;
-  // The nearest last: the map forgets from the front.
   for (auto k = nearest.rbegin(); k != nearest.rend(); ++k) {
     Keyframe keyframe;
     keyframe.utime = k->second->utime;
@@ -139,9 +141,22 @@ void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
     keyframe.points = *k->second->points.cloud();
     keyframes.push_back(std::move(keyframe));
   }
+  return keyframes;
+}
+
+}  // namespace
+
+void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
+                      const std::vector<Eigen::Vector3d>& centres, double voxel) {
+  // The map forgets from the front, where the farthest are.
+  std::vector<Keyframe> keyframes = nearest_keyframes(archived, centres, config_.max_keyframes);
   first_.points = {};
   if (!keyframes.empty()) last_keyframe_pose_ = keyframes.back().map_from_body;
   map_.load(std::move(keyframes), voxel, centres.size());
+}
+
+void Odometer::found_on(const std::vector<ArchivedKeyframe>& fixed, double voxel) {
+  map_.found_on(nearest_keyframes(fixed, {state().pose.translation()}, config_.max_keyframes), voxel);
 }
 
 void Odometer::take_usual_from(const Odometer& other) {

@@ -61,8 +61,10 @@ struct Tracker::State {
   // At the last trusted scan its position was not known along some axis, as in a tunnel: once it is lost
   // there is no place to come back to.
   bool open = false;
-  int quiet_scans_left = 0;  // see kQuietScans
-  std::string map_fault;     // to be told with the next scan
+  int quiet_scans_left = 0;                   // see kQuietScans
+  std::string map_fault;                      // to be told with the next scan
+  std::optional<Eigen::Vector3d> founded_at;  // see follow_given_map()
+  double founded_within = 0;                  // metres
 
   Relocation relocation;
 
@@ -205,7 +207,28 @@ struct Tracker::State {
       keep(scan, attempt.health.share);
   }
 
+  /// Where a given map shows the ground around the robot, the local map is founded on it, anew as it moves
+  /// on.
+  void follow_given_map() {
+    const Eigen::Vector3d here = odometer->state().pose.translation();
+    if (founded_at && (*founded_at - here).norm() < founded_within) return;
+    const auto shows = [&](const ArchivedKeyframe& k) {
+      return archive.is_fixed(k.id) &&
+             (k.map_from_body.translation() - here).norm() < static_cast<double>(k.reach);
+    };
+    if (std::none_of(archive.keyframes().begin(), archive.keyframes().end(), shows)) return;
+    try {
+      odometer->found_on(archive.fixed(), scale.current(0));
+      odometer->set_drift(Matrix6::Zero());
+    } catch (const PointsUnreadable& error) {
+      map_fault = error.what();
+    }
+    founded_at = here;
+    founded_within = kSameSpot * archive.scene(here);
+  }
+
   void keep(const PreparedScan& scan, double share) {
+    follow_given_map();
     odometer->keep(time.now(), scan, share);
     const Pose& here = odometer->state().pose;
     if (archive.wants(time.now(), here.translation(), scan.median_range))
@@ -278,6 +301,7 @@ struct Tracker::State {
          scan.median_range, &archive);
     if (relocation.map_of_several()) reload(attempt.alignment.moving.pose.translation());
     jumped = true;
+    founded_at.reset();
     trust(scan, attempt);
     jump(predicted, odometer->state().pose);
     describe(attempt, found ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
@@ -515,7 +539,8 @@ bool Tracker::on_known_ground() const {
 std::int64_t Tracker::local_map_utime() const {
   const auto& keyframes = state_->odometer->map().keyframes();
   std::int64_t earliest = state_->time.now();
-  for (const Keyframe& k : keyframes) earliest = std::min(earliest, k.utime);
+  for (const Keyframe& k : keyframes)
+    if (!k.fixed) earliest = std::min(earliest, k.utime);
   return earliest;
 }
 double Tracker::voxel() const {
@@ -526,6 +551,7 @@ void Tracker::correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, co
                       const Matrix6& drift, bool jumps) {
   State& s = *state_;
   s.archive.move(own_from_keyframe);
+  s.founded_at.reset();
   s.map_from_own = map_from_own;
   s.odometer->set_drift(drift);
   if (jumps) ++s.epoch;

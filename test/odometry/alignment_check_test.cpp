@@ -10,7 +10,7 @@ using namespace scanlock;
 
 namespace {
 
-constexpr std::int64_t kPeriod = 100000;  // microseconds
+constexpr std::int64_t kScanPeriod = 100000;  // microseconds
 
 /// Of a scan in a known place that costs what such scans do, `metres` ahead of a prediction whose standard
 /// deviation is 0.1 m, 0.1 rad, 1 m/s and 1 rad/s.
@@ -63,7 +63,7 @@ TEST_CASE("an alignment is trusted below a score, which is lower after one that 
   CHECK(check.is_trusted(attempt(0, 3), false));
   CHECK_FALSE(check.is_trusted(attempt(0, 5), false));
   CHECK(check.is_trusted(attempt(0, 5), true));
-  check.trust(kPeriod, scan, {Pose::Identity(), Vector6::Zero()}, true);
+  check.trust(kScanPeriod, scan, {Pose::Identity(), Vector6::Zero()}, true);
   CHECK(check.distrusted_scans() == 0);
   CHECK(check.is_trusted(attempt(0, 5), false));
 }
@@ -73,17 +73,17 @@ TEST_CASE("the last trusted scan contradicts another place: asked after a gap, a
   const PreparedScan seen_there = scan_at(other, 2);
   AlignmentCheck check;
   check.trust(0, scan_at(here, 1), {here, Vector6::Zero()}, true);
-  CHECK_FALSE(check.is_contradicted(kPeriod, seen_there, attempt(0)));
-  CHECK(check.is_contradicted(5 * kPeriod, seen_there, attempt(0)));
-  CHECK_FALSE(check.is_contradicted(5 * kPeriod, scan_at(here, 3), attempt(0)));
-  CHECK(check.is_contradicted(kPeriod, seen_there, attempt(0, 4.5)));
-  CHECK(check.is_contradicted(kPeriod, seen_there, attempt(0, 0, 0.3)));
+  CHECK_FALSE(check.is_contradicted(kScanPeriod, seen_there, attempt(0)));
+  CHECK(check.is_contradicted(5 * kScanPeriod, seen_there, attempt(0)));
+  CHECK_FALSE(check.is_contradicted(5 * kScanPeriod, scan_at(here, 3), attempt(0)));
+  CHECK(check.is_contradicted(kScanPeriod, seen_there, attempt(0, 4.5)));
+  CHECK(check.is_contradicted(kScanPeriod, seen_there, attempt(0, 0, 0.3)));
   Attempt first = attempt(0);
   first.health.young = true;
-  CHECK_FALSE(check.is_contradicted(5 * kPeriod, seen_there, first));
+  CHECK_FALSE(check.is_contradicted(5 * kScanPeriod, seen_there, first));
   check.distrust(true);
   CHECK(check.looks_alike());
-  CHECK(check.is_contradicted(kPeriod, seen_there, attempt(0)));
+  CHECK(check.is_contradicted(kScanPeriod, seen_there, attempt(0)));
 }
 
 TEST_CASE("nothing contradicts a scan that is no witness, nor a start") {
@@ -91,10 +91,10 @@ TEST_CASE("nothing contradicts a scan that is no witness, nor a start") {
   const PreparedScan other = scan_at(Pose(Eigen::Translation3d(-6, 5, 0)), 2);
   AlignmentCheck check;
   check.trust(0, scan_at(here, 1), {here, Vector6::Zero()}, false);
-  CHECK_FALSE(check.is_contradicted(5 * kPeriod, other, attempt(0)));
+  CHECK_FALSE(check.is_contradicted(5 * kScanPeriod, other, attempt(0)));
   check.distrust(false);
-  check.restart(here, kPeriod);
+  check.restart(here, kScanPeriod);
   CHECK(check.distrusted_scans() == 0);
-  CHECK(check.last().utime == kPeriod);
-  CHECK_FALSE(check.is_contradicted(5 * kPeriod, other, attempt(0)));
+  CHECK(check.last().utime == kScanPeriod);
+  CHECK_FALSE(check.is_contradicted(5 * kScanPeriod, other, attempt(0)));
 }

@@ -69,6 +69,32 @@ TEST_CASE("new ground is what no cell of the size of a surface holds yet") {
   CHECK(share({0.1f, 2.1f, 6.1f}) == 0.0);
 }
 
+TEST_CASE("where a given map shows a voxel its point stands for it, and its keyframes do not count") {
+  LocalMapLimits limits;
+  limits.max_keyframes = 2;
+  LocalMap map(limits);
+  const auto keyframe = [](float x, std::int64_t utime) {
+    Keyframe result;
+    result.utime = utime;
+    add_row(x, &result.points);
+    return result;
+  };
+  map.insert(keyframe(0.1f, 1), kVoxel);
+  map.insert(keyframe(5.1f, 2), kVoxel);
+  map.found_on({keyframe(0.15f, 3), keyframe(9.1f, 4)}, kVoxel);
+  CHECK(map.keyframes().size() == 4);
+  CHECK(points_at(0.1f, map) == 0);
+  CHECK(points_at(0.15f, map) == 40);  // in the same voxels
+  CHECK(points_at(5.1f, map) == 40);
+  CHECK(points_at(9.1f, map) == 40);
+  map.insert(keyframe(7.1f, 5), 0.99 * kVoxel);  // the oldest of its own is forgotten
+  CHECK(map.keyframes().size() == 4);
+  CHECK(points_at(5.1f, map) == 40);
+  map.found_on({keyframe(20.1f, 6)}, kVoxel);
+  CHECK(map.keyframes().size() == 3);
+  CHECK(points_at(9.1f, map) == 0);
+}
+
 TEST_CASE("a map that is loaded is the one that was inserted") {
   LocalMapLimits limits;
   limits.max_keyframes = 3;

@@ -14,7 +14,8 @@ using namespace scanlock;
 
 namespace {
 
-constexpr std::int64_t kSecond = 1000000, kPeriod = kSecond / 10, kFirst = 1700000000 * kSecond;
+constexpr std::int64_t kOneSecond = 1000000, kStampPeriod = kOneSecond / 10,
+                       kFirstStamp = 1700000000 * kOneSecond;
 
 struct Taken {
   bool taken;
@@ -29,36 +30,36 @@ Taken take(Timeline* timeline, std::int64_t stamp) {
   return result;
 }
 
-/// Has taken scans at 10 Hz from kFirst on.
-Timeline running(int scans) {
+/// Has taken scans at 10 Hz from kFirstStamp on.
+Timeline started(int scans) {
   Timeline timeline;
-  for (int i = 0; i < scans; ++i) CHECK(take(&timeline, kFirst + i * kPeriod).taken);
+  for (int i = 0; i < scans; ++i) CHECK(take(&timeline, kFirstStamp + i * kStampPeriod).taken);
   return timeline;
 }
 
 }  // namespace
 
 TEST_CASE("the time is the stamp while the clock is regular") {
-  Timeline timeline = running(1);
-  CHECK(timeline.now() == kFirst);
+  Timeline timeline = started(1);
+  CHECK(timeline.now() == kFirstStamp);
   CHECK(timeline.elapsed_s() == 0);
-  timeline = running(20);
-  CHECK(timeline.now() == kFirst + 19 * kPeriod);
+  timeline = started(20);
+  CHECK(timeline.now() == kFirstStamp + 19 * kStampPeriod);
   CHECK(timeline.stamp() == timeline.now());
   CHECK(timeline.elapsed_s() == doctest::Approx(0.1));
   CHECK(timeline.most_elapsed_s() == timeline.elapsed_s());
-  CHECK(timeline.since_s(kFirst) == doctest::Approx(1.9));
-  CHECK(take(&timeline, kFirst + 39 * kPeriod).taken);  // a gap
+  CHECK(timeline.since_s(kFirstStamp) == doctest::Approx(1.9));
+  CHECK(take(&timeline, kFirstStamp + 39 * kStampPeriod).taken);  // a gap
   CHECK(timeline.now() == timeline.stamp());
   CHECK(timeline.elapsed_s() == doctest::Approx(2));
 }
 
 TEST_CASE("a rejected stamp leaves the time, and the reason names the stamp before it") {
-  Timeline timeline = running(20);
-  const std::int64_t last = kFirst + 19 * kPeriod;
+  Timeline timeline = started(20);
+  const std::int64_t last = kFirstStamp + 19 * kStampPeriod;
   const std::pair<std::int64_t, ScanVerdict> kBad[] = {{last, ScanVerdict::kDuplicateTime},
-                                                       {last - 5 * kPeriod, ScanVerdict::kBackwardTime},
-                                                       {last + 3600 * kSecond, ScanVerdict::kOtherClock}};
+                                                       {last - 5 * kStampPeriod, ScanVerdict::kBackwardTime},
+                                                       {last + 3600 * kOneSecond, ScanVerdict::kOtherClock}};
   for (const auto& [stamp, verdict] : kBad) {
     const Taken bad = take(&timeline, stamp);
     CHECK_FALSE(bad.taken);
@@ -71,37 +72,37 @@ TEST_CASE("a rejected stamp leaves the time, and the reason names the stamp befo
 }
 
 TEST_CASE("a step of the clock, either way, advances the time by the longest gap that it may hide") {
-  for (const std::int64_t by : {-86400 * kSecond, 86400 * kSecond}) {
-    Timeline timeline = running(20);
-    const std::int64_t last = kFirst + 19 * kPeriod;
-    CHECK_FALSE(take(&timeline, last + by + kPeriod).taken);
-    CHECK_FALSE(take(&timeline, last + by + 2 * kPeriod).taken);
-    const Taken third = take(&timeline, last + by + 3 * kPeriod);
+  for (const std::int64_t by : {-86400 * kOneSecond, 86400 * kOneSecond}) {
+    Timeline timeline = started(20);
+    const std::int64_t last = kFirstStamp + 19 * kStampPeriod;
+    CHECK_FALSE(take(&timeline, last + by + kStampPeriod).taken);
+    CHECK_FALSE(take(&timeline, last + by + 2 * kStampPeriod).taken);
+    const Taken third = take(&timeline, last + by + 3 * kStampPeriod);
     CHECK(third.taken);
     CHECK(third.tracked.clock_step_from == last);
-    CHECK(timeline.stamp() == last + by + 3 * kPeriod);
+    CHECK(timeline.stamp() == last + by + 3 * kStampPeriod);
     CHECK(timeline.elapsed_s() == doctest::Approx(0.3));
     CHECK(timeline.most_elapsed_s() == kLongestGap);
-    CHECK(timeline.now() == last + 3 * kSecond);
-    const Taken next = take(&timeline, last + by + 4 * kPeriod);
+    CHECK(timeline.now() == last + 3 * kOneSecond);
+    const Taken next = take(&timeline, last + by + 4 * kStampPeriod);
     CHECK_FALSE(next.tracked.clock_step_from);
-    CHECK(timeline.now() == last + 3 * kSecond + kPeriod);
+    CHECK(timeline.now() == last + 3 * kOneSecond + kStampPeriod);
   }
 }
 
 TEST_CASE("all times are later than those of an earlier run, and the stamps if these are later still") {
   Timeline timeline;
-  timeline.start_after(kFirst);
+  timeline.start_after(kFirstStamp);
   CHECK(take(&timeline, 1).taken);
-  CHECK(timeline.now() == kFirst + 3600 * kSecond);
-  CHECK(take(&timeline, 1 + kPeriod).taken);
-  CHECK(timeline.now() == kFirst + 3600 * kSecond + kPeriod);
+  CHECK(timeline.now() == kFirstStamp + 3600 * kOneSecond);
+  CHECK(take(&timeline, 1 + kStampPeriod).taken);
+  CHECK(timeline.now() == kFirstStamp + 3600 * kOneSecond + kStampPeriod);
   timeline = {};
   timeline.start_after(1);
-  CHECK(take(&timeline, kFirst).taken);
-  CHECK(timeline.now() == kFirst);
+  CHECK(take(&timeline, kFirstStamp).taken);
+  CHECK(timeline.now() == kFirstStamp);
   timeline = {};
   timeline.start_after(std::numeric_limits<std::int64_t>::max());
-  CHECK(take(&timeline, kFirst).taken);
-  CHECK(timeline.now() > kFirst);
+  CHECK(take(&timeline, kFirstStamp).taken);
+  CHECK(timeline.now() > kFirstStamp);
 }
