@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "lost_points.hpp"
+
 using namespace scanlock;
 
 namespace {
@@ -94,6 +96,19 @@ TEST_CASE("a map that was restored is larger than the cap, and none of it gives 
   CHECK(archive.keyframes().size() == 6);
   CHECK(archive.keyframes()[3].id == 5);
   CHECK(archive.keyframes()[4].id == 10);
+}
+
+TEST_CASE("a map of which some points cannot be read is restored whole and says why") {
+  KeyframeArchive whole(1000000), archive(1000000);
+  for (int i = 0; i < 3; ++i) whole.add(i, shifted(10 * i, 0), 20, ring(100, 20));
+  std::vector<ArchivedKeyframe> keyframes = whole.keyframes();
+  CHECK(archive.restore(keyframes).empty());
+  const PlaceSignature like = *keyframes[1].signature;
+  keyframes[1].points = lost_points();
+  CHECK(archive.restore(keyframes) == "yard.map: was changed");
+  REQUIRE(archive.keyframes().size() == 3);
+  CHECK(like.similarity(*archive.keyframes()[0].signature) > 0.9);
+  CHECK(like.similarity(*archive.keyframes()[1].signature) == 0);
 }
 
 TEST_CASE("keyframes are found by id and moved, with the ways in which the body stood there") {
