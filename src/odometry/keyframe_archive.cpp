@@ -14,11 +14,12 @@
 namespace scanlock {
 namespace {
 
-constexpr std::int64_t kFresh = 60000000;  // microseconds: the drift of a minute does not matter
-constexpr double kNeighbourhood = 20.0;    // metres
-constexpr std::size_t kMostPoints = 3000;  // of a place
-constexpr double kLeastTie = 1e-8;         // (0.1 mm)^2 and (0.1 mrad)^2: no chain is rigid
-constexpr float kStandStep = 0.05F;        // radians, between two that count as different
+constexpr std::int64_t kFresh = 60000000;   // microseconds: the drift of a minute does not matter
+constexpr double kNeighbourhood = 20.0;     // metres
+constexpr std::size_t kMostPoints = 3000;   // of a place
+constexpr double kLeastTie = 1e-8;          // (0.1 mm)^2 and (0.1 mrad)^2: no chain is rigid
+constexpr std::size_t kGathered = 1 << 19;  // points, before they are thinned
+constexpr float kStandStep = 0.05F;         // radians, between two that count as different
 
 template <typename Vector>
 bool stands_alike(const std::vector<Vector>& stands, const Vector& up) {
@@ -268,13 +269,10 @@ std::vector<const ArchivedKeyframe*> keyframes_seeing(const std::vector<Archived
 PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const Eigen::Vector3d& centre,
                          double radius, double voxel) {
   PointCloud all;
-  const std::vector<const ArchivedKeyframe*> seeing = keyframes_seeing(keyframes, centre, radius);
-  std::size_t most = 0;
-  for (const ArchivedKeyframe* k : seeing) most += k->points.size();
-  for (std::vector<float>* v : {&all.x, &all.y, &all.z}) v->reserve(most);
-  all.eyes.reserve(most);
+  const auto thin = [&] { all = select(all, thin_by_voxel(all, static_cast<float>(voxel))); };
+  std::size_t most = kGathered;  // thinning in between leaves the same points, and takes less memory
   const auto radius2 = static_cast<float>(radius * radius);
-  for (const ArchivedKeyframe* k : seeing) {
+  for (const ArchivedKeyframe* k : keyframes_seeing(keyframes, centre, radius)) {
     const Eigen::Matrix3f rotation = k->map_from_body.linear().cast<float>();
     const Eigen::Vector3f translation = (k->map_from_body.translation() - centre).cast<float>();
     const std::shared_ptr<const PointCloud> points = k->points.cloud();
@@ -284,8 +282,12 @@ PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const E
       all.push_back(p);
       all.eyes.push_back(translation);
     }
+    if (all.size() < most) continue;
+    thin();
+    most = std::max(most, 2 * all.size());
   }
-  return select(all, thin_by_voxel(all, static_cast<float>(voxel)));
+  thin();
+  return all;
 }
 
 }  // namespace scanlock

@@ -6,7 +6,9 @@
 
 #include <memory>
 
+#include "../odometry/lost_points.hpp"
 #include "../odometry/room.hpp"
+#include "mapping/mapper.hpp"
 
 namespace scanlock {
 namespace {
@@ -127,6 +129,36 @@ TEST_CASE("what is known already is not aligned again") {
   CHECK(is_worthwhile(unknown_along, corridor));
   request.pending = Constraint();  // two in a row are asked for
   CHECK(close_loop(request, {}).outcome != ClosureOutcome::kKnown);
+}
+
+TEST_CASE("work that wants points which cannot be read finds nothing and says why") {
+  ClosureRequest request = two_visits(Pose::Identity(), 0.5, 0.05);
+  request.serial = 7;
+  for (ArchivedKeyframe& k : request.earlier) k.points = lost_points();
+  RecoveryRequest search;
+  search.serial = 8;
+  search.source = *request.keyframe.points.cloud();
+  search.source_radius = search.radius = 20;
+  search.voxel = 0.5;
+  search.places = request.earlier;
+  JoinRequest join;
+  join.closure = request;
+  join.search = search;
+  const std::string why = "yard.map: was changed";
+  MapWorker worker{TrackerConfig{}};
+  const auto closure = std::get<ClosureAnswer>(worker.work(request));
+  CHECK(closure.serial == 7);
+  CHECK(closure.keyframe == request.keyframe.id);
+  CHECK(closure.outcome == ClosureOutcome::kRefused);
+  CHECK(closure.map_fault == why);
+  const auto found = std::get<RecoveryAnswer>(worker.work(search));
+  CHECK(found.serial == 8);
+  CHECK(found.verdict == PlaceVerdict::kNotHere);
+  CHECK(found.map_fault == why);
+  const auto joined = std::get<JoinAnswer>(worker.work(join));
+  CHECK(joined.search.serial == 8);
+  CHECK(joined.closure.outcome == ClosureOutcome::kRefused);
+  CHECK(joined.closure.map_fault == why);
 }
 
 }  // namespace scanlock

@@ -6,6 +6,9 @@
 
 #include <cmath>
 
+#include "geometry/voxel_grid.hpp"
+#include "lost_points.hpp"
+
 using namespace scanlock;
 
 namespace {
@@ -94,6 +97,42 @@ TEST_CASE("a map that was restored is larger than the cap, and none of it gives 
   CHECK(archive.keyframes().size() == 6);
   CHECK(archive.keyframes()[3].id == 5);
   CHECK(archive.keyframes()[4].id == 10);
+}
+
+TEST_CASE("a map of which some points cannot be read is restored whole and says why") {
+  KeyframeArchive whole(1000000), archive(1000000);
+  for (int i = 0; i < 3; ++i) whole.add(i, shifted(10 * i, 0), 20, ring(100, 20));
+  std::vector<ArchivedKeyframe> keyframes = whole.keyframes();
+  CHECK(archive.restore(keyframes).empty());
+  const PlaceSignature like = *keyframes[1].signature;
+  keyframes[1].points = lost_points();
+  CHECK(archive.restore(keyframes) == "yard.map: was changed");
+  REQUIRE(archive.keyframes().size() == 3);
+  CHECK(like.similarity(*archive.keyframes()[0].signature) > 0.9);
+  CHECK(like.similarity(*archive.keyframes()[1].signature) == 0);
+}
+
+TEST_CASE("the surroundings of a place are those of all points, however many there are") {
+  KeyframeArchive archive(2000000);
+  PointCloud all;
+  for (int i = 0; i < 400; ++i) {
+    const Eigen::Vector3f eye(0.11F * static_cast<float>(i), 0.02F * static_cast<float>(i % 7), 0);
+    archive.add(i, shifted(static_cast<double>(eye.x()), static_cast<double>(eye.y())), 20, ring(3000, 20));
+    const PointCloud points = *archive.keyframes().back().points.cloud();
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Eigen::Vector3f p = points.point(k) + eye;
+      if (!(p.head<2>().squaredNorm() < 900)) continue;
+      all.push_back(p);
+      all.eyes.push_back(eye);
+    }
+  }
+  REQUIRE(all.size() > 600000);
+  const PointCloud expected = select(all, thin_by_voxel(all, 0.2F));
+  const PointCloud found = submap_around(archive.keyframes(), Eigen::Vector3d::Zero(), 30, 0.2);
+  CHECK(found.x == expected.x);
+  CHECK(found.y == expected.y);
+  CHECK(found.z == expected.z);
+  CHECK(found.eyes == expected.eyes);
 }
 
 TEST_CASE("keyframes are found by id and moved, with the ways in which the body stood there") {

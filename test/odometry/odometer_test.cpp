@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "lost_points.hpp"
 #include "room.hpp"
 
 namespace scanlock {
@@ -64,6 +65,20 @@ TEST_CASE("of each of several places the map is as large as of that place alone,
   odometer.reload(archive, {centres[1]}, 0.5);
   CHECK(odometer.map().keyframes().size() == 10);
   CHECK(odometer.map().size() == 10 * 36);
+}
+
+TEST_CASE("a local map stays as it is where points of the next one cannot be read") {
+  PointCloud points;
+  for (int i = 0; i < 36; ++i) points.push_back({static_cast<float>(i % 6), static_cast<float>(i / 6), 0});
+  std::vector<ArchivedKeyframe> archive(2);
+  archive[0].points = points;
+  archive[1].map_from_body.translation().x() = 3;
+  Odometer odometer{TrackerConfig{}};
+  odometer.reload({archive[0]}, {Eigen::Vector3d::Zero()}, 0.5);
+  archive[1].points = lost_points();
+  CHECK_THROWS_AS(odometer.reload(archive, {Eigen::Vector3d::Zero()}, 0.5), PointsUnreadable);
+  REQUIRE(odometer.map().keyframes().size() == 1);
+  CHECK(odometer.map().size() == 36);
 }
 
 }  // namespace scanlock
