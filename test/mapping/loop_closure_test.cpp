@@ -138,9 +138,9 @@ TEST_CASE("work that wants points which cannot be read finds nothing and says wh
   RecoveryRequest search;
   search.serial = 8;
   search.source = *request.keyframe.points.cloud();
-  search.source_radius = search.radius = 20;
-  search.voxel = 0.5;
-  search.places = request.earlier;
+  search.target.source_radius = search.target.radius = 20;
+  search.target.voxel = 0.5;
+  search.target.places = request.earlier;
   JoinRequest join;
   join.closure = request;
   join.search = search;
