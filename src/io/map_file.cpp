@@ -68,9 +68,12 @@ int step_exponent(const PointCloud& points) {
   return exponent;
 }
 
-std::size_t finite_points(const PointCloud& points) {
+/// Those of a map file all are, and are not read for it.
+std::size_t finite_points(const KeyframePoints& points) {
+  if (points.are_stored()) return points.size();
+  const std::shared_ptr<const PointCloud> cloud = points.cloud();
   std::size_t count = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) count += is_finite(points, i) ? 1 : 0;
+  for (std::size_t i = 0; i < cloud->size(); ++i) count += is_finite(*cloud, i) ? 1 : 0;
   return count;
 }
 
@@ -384,7 +387,7 @@ SavedMap decode(ByteSource& source, const std::string& name) {
 void encode(const SavedMap& map, const TakeBytes& take) {
   std::uint64_t body = 4 + kPoseBytes + 4 + 4 + kConstraintBytes * map.constraints.size();
   for (const ArchivedKeyframe& keyframe : map.keyframes)
-    body += kKeyframeBytes + kPointBytes * finite_points(*keyframe.points.cloud()) + 4 +
+    body += kKeyframeBytes + kPointBytes * finite_points(keyframe.points) + 4 +
             kStandBytes * keyframe.stands.size();
   std::vector<std::uint8_t> piece(kMagic.begin(), kMagic.end());
   std::uint32_t checksum = 0;

@@ -179,13 +179,6 @@ std::string KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes, bo
   return fault;
 }
 
-std::vector<ArchivedKeyframe> KeyframeArchive::fixed() const {
-  std::vector<ArchivedKeyframe> fixed;
-  for (const ArchivedKeyframe& k : keyframes_)
-    if (is_fixed(k.id)) fixed.push_back(k);
-  return fixed;
-}
-
 double KeyframeArchive::begin_submap(const KeyframeArchive& seen) {
   double last = -std::numeric_limits<double>::infinity(), first = -last;
   for (const ArchivedKeyframe& k : keyframes_) last = std::max(last, k.map_from_body.translation().x());

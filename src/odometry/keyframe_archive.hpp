@@ -84,8 +84,8 @@ class KeyframeArchive {
   /// show.
   std::string restore(std::vector<ArchivedKeyframe> keyframes, bool fixed = false);
   bool is_fixed(std::uint32_t id) const { return fixed_ && id <= restored_; }
-  /// Those keyframes.
-  std::vector<ArchivedKeyframe> fixed() const;
+  /// The number of those keyframes, which come first.
+  std::size_t fixed() const { return fixed_ ? first_of_own() : 0; }
   /// The keyframe `gone` leaves; how the body stood there is noted where it is `kept`. Both have to be there.
   void replace(std::uint32_t gone, std::uint32_t kept);
   /// New poses, by id.

@@ -39,6 +39,7 @@ class KeyframePoints {
 
   std::size_t size() const { return stored_ ? stored_->size() : cloud_->size(); }
   bool empty() const { return size() == 0; }
+  bool are_stored() const { return stored_ != nullptr; }
   /// Stored points are read for each call, and held by its caller alone. Throws PointsUnreadable.
   std::shared_ptr<const PointCloud> cloud() const {
     return stored_ ? std::make_shared<const PointCloud>(stored_->read()) : cloud_;

@@ -114,21 +114,23 @@ void Odometer::set_planar(bool planar) {
 
 namespace {
 
-/// Of the archived keyframes around each of the `centres` the nearest ones, `most` of each: the nearest last.
-std::vector<Keyframe> nearest_keyframes(const std::vector<ArchivedKeyframe>& archived,
+/// Of the first `count` archived keyframes the nearest ones around each of the `centres`, `most` of each: the
+/// nearest last.
+std::vector<Keyframe> nearest_keyframes(const std::vector<ArchivedKeyframe>& archived, std::size_t count,
                                         const std::vector<Eigen::Vector3d>& centres, int most) {
   // Of each, its distance to the nearest centre that wants it.
-  std::vector<double> wanted(archived.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> wanted(count, std::numeric_limits<double>::infinity());
   for (const Eigen::Vector3d& centre : centres) {
     std::vector<std::pair<double, std::size_t>> around;
-    for (std::size_t i = 0; i < archived.size(); ++i)
+    for (std::size_t i = 0; i < count; ++i)
       around.emplace_back((archived[i].map_from_body.translation() - centre).norm(), i);
-    std::sort(around.begin(), around.end());
-    around.resize(std::min(around.size(), static_cast<std::size_t>(most)));
+    const std::size_t taken = std::min(count, static_cast<std::size_t>(most));
+    std::partial_sort(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(taken), around.end());
+    around.resize(taken);
     for (const auto& [distance, i] : around) wanted[i] = std::min(wanted[i], distance);
   }
   std::vector<std::pair<double, const ArchivedKeyframe*>> nearest;
-  for (std::size_t i = 0; i < archived.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     if (std::isfinite(wanted[i])) nearest.emplace_back(wanted[i], &archived[i]);
   }
   std::stable_sort(nearest.begin(), nearest.end(),
@@ -149,14 +151,16 @@ std::vector<Keyframe> nearest_keyframes(const std::vector<ArchivedKeyframe>& arc
 void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
                       const std::vector<Eigen::Vector3d>& centres, double voxel) {
   // The map forgets from the front, where the farthest are.
-  std::vector<Keyframe> keyframes = nearest_keyframes(archived, centres, config_.max_keyframes);
+  std::vector<Keyframe> keyframes =
+      nearest_keyframes(archived, archived.size(), centres, config_.max_keyframes);
   first_.points = {};
   if (!keyframes.empty()) last_keyframe_pose_ = keyframes.back().map_from_body;
   map_.load(std::move(keyframes), voxel, centres.size());
 }
 
-void Odometer::found_on(const std::vector<ArchivedKeyframe>& fixed, double voxel) {
-  map_.found_on(nearest_keyframes(fixed, {state().pose.translation()}, config_.max_keyframes), voxel);
+void Odometer::found_on(const std::vector<ArchivedKeyframe>& archived, std::size_t fixed, double voxel) {
+  map_.found_on(nearest_keyframes(archived, fixed, {state().pose.translation()}, config_.max_keyframes),
+                voxel);
 }
 
 void Odometer::take_usual_from(const Odometer& other) {

@@ -73,9 +73,9 @@ class Odometer {
   /// that one alone. The usual energy stays. Throws PointsUnreadable, and changes nothing then.
   void reload(const std::vector<ArchivedKeyframe>& archived, const std::vector<Eigen::Vector3d>& centres,
               double voxel);
-  /// The map is founded on the `fixed` keyframes around the robot, see LocalMap::found_on(). Throws
-  /// PointsUnreadable, and changes nothing then.
-  void found_on(const std::vector<ArchivedKeyframe>& fixed, double voxel);
+  /// The map is founded on those of the first `fixed` archived keyframes that are around the robot, see
+  /// LocalMap::found_on(). Throws PointsUnreadable, and changes nothing then.
+  void found_on(const std::vector<ArchivedKeyframe>& archived, std::size_t fixed, double voxel);
 
   /// Takes over the usual energy of another odometer of the same sensor, until something was aligned here, as
   /// in a map that was loaded. Without effect afterwards.

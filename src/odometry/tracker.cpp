@@ -212,17 +212,16 @@ struct Tracker::State {
   void follow_given_map() {
     const Eigen::Vector3d here = odometer->state().pose.translation();
     if (founded_at && (*founded_at - here).norm() < founded_within) return;
+    const std::vector<ArchivedKeyframe>& archived = archive.keyframes();
     const auto shows = [&](const ArchivedKeyframe& k) {
-      return archive.is_fixed(k.id) &&
-             (k.map_from_body.translation() - here).norm() < static_cast<double>(k.reach);
+      return (k.map_from_body.translation() - here).norm() < static_cast<double>(k.reach);
     };
-    if (std::none_of(archive.keyframes().begin(), archive.keyframes().end(), shows)) return;
-    try {
-      odometer->found_on(archive.fixed(), scale.current(0));
+    const auto own = archived.begin() + static_cast<std::ptrdiff_t>(archive.fixed());
+    if (std::none_of(archived.begin(), own, shows)) return;
+    read_map([&] {
+      odometer->found_on(archived, archive.fixed(), scale.current(0));
       odometer->set_drift(Matrix6::Zero());
-    } catch (const PointsUnreadable& error) {
-      map_fault = error.what();
-    }
+    });
     founded_at = here;
     founded_within = kSameSpot * archive.scene(here);
   }
@@ -329,13 +328,19 @@ struct Tracker::State {
 
   void lose() { relocation.begin(*odometer, check.last(), check.looks_alike(), archive); }
 
-  /// The local map becomes what is archived around there; it stays where that cannot be read.
-  void reload(const Eigen::Vector3d& centre) {
+  /// Where stored points cannot be read, the local map stays as it is.
+  template <typename Work>
+  void read_map(const Work& work) {
     try {
-      odometer->reload(archive.keyframes(), {centre}, scale.current(0));
+      work();
     } catch (const PointsUnreadable& error) {
       map_fault = error.what();
     }
+  }
+
+  /// The local map becomes what is archived around there.
+  void reload(const Eigen::Vector3d& centre) {
+    read_map([&] { odometer->reload(archive.keyframes(), {centre}, scale.current(0)); });
   }
 
   // ---- reporting
