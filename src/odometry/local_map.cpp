@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <unordered_set>
 #include <utility>
@@ -24,6 +25,14 @@ std::uint64_t voxel_key(const Eigen::Vector3f& p, float inverse_voxel) {
                     static_cast<std::int32_t>(v.z()));
 }
 
+bool is_given(const Keyframe& keyframe) {
+  return keyframe.given.has_value();
+}
+
+bool is_same(const Keyframe& keyframe, std::uint32_t given, const Pose& map_from_body) {
+  return keyframe.given == given && keyframe.map_from_body.matrix() == map_from_body.matrix();
+}
+
 }  // namespace
 
 LocalMap::LocalMap(const LocalMapLimits& limits) : limits_(limits) {}
@@ -32,6 +41,7 @@ void LocalMap::clear() {
   keyframes_.clear();
   cloud_ = {};
   last_seen_.clear();
+  shown_.clear();
   taken_.clear();
   ground_.clear();
   tree_.rebuild(cloud_);
@@ -65,6 +75,8 @@ void LocalMap::load(std::vector<Keyframe> keyframes, double voxel, std::size_t p
   const Eigen::Vector3d here = keyframes.back().map_from_body.translation();
   move_origin(here);
   note_voxels(voxel);
+  are_counted_ = true;
+  std::stable_partition(keyframes.begin(), keyframes.end(), is_given);
   for (Keyframe& keyframe : keyframes) {
     keyframe.id = next_id_++;
     keyframes_.push_back(std::move(keyframe));
@@ -81,15 +93,37 @@ void LocalMap::load(std::vector<Keyframe> keyframes, double voxel, std::size_t p
   index_all();
 }
 
-void LocalMap::found_on(std::vector<Keyframe> fixed, double voxel) {
-  std::vector<Keyframe> all;
-  for (Keyframe& keyframe : fixed) {
-    keyframe.fixed = true;
-    all.push_back(std::move(keyframe));
+bool LocalMap::has(std::uint32_t given, const Pose& map_from_body) const {
+  return std::any_of(keyframes_.begin(), keyframes_.end(),
+                     [&](const Keyframe& k) { return is_same(k, given, map_from_body); });
+}
+
+void LocalMap::found_on(std::vector<Keyframe> given, double voxel) {
+  std::vector<Keyframe> stay;
+  for (Keyframe& keyframe : keyframes_) {
+    const bool stays = !keyframe.given || std::any_of(given.begin(), given.end(), [&](const Keyframe& k) {
+      return is_same(k, *keyframe.given, keyframe.map_from_body);
+    });
+    if (stays)
+      stay.push_back(std::move(keyframe));
+    else if (are_counted_)
+      hide(keyframe);
   }
-  for (Keyframe& keyframe : keyframes_)
-    if (!keyframe.fixed) all.push_back(std::move(keyframe));
-  load(std::move(all), voxel);
+  keyframes_.assign(std::make_move_iterator(stay.begin()), std::make_move_iterator(stay.end()));
+  const bool anew = !are_counted_ || voxel != voxel_;
+  for (Keyframe& keyframe : given) {
+    if (has(*keyframe.given, keyframe.map_from_body)) continue;
+    keyframe.id = next_id_++;
+    if (!anew) add_novel_points(keyframe);
+    keyframes_.push_front(std::move(keyframe));
+  }
+  if (anew) {
+    load({std::make_move_iterator(keyframes_.begin()), std::make_move_iterator(keyframes_.end())}, voxel);
+    return;
+  }
+  forget_points();
+  note_voxels(voxel);
+  index_all();
 }
 
 void LocalMap::index_all() {
@@ -113,40 +147,48 @@ bool LocalMap::wants_rebuild(const Eigen::Vector3d& here, double voxel) const {
 void LocalMap::forget(const Eigen::Vector3d& here, const LocalMapLimits& limits) {
   const std::uint32_t newest = keyframes_.back().id;
   const auto far = [&](const Keyframe& k) {
-    return k.id != newest && (k.map_from_body.translation() - here).norm() > limits.max_distance;
+    return !k.given && k.id != newest && (k.map_from_body.translation() - here).norm() > limits.max_distance;
   };
   keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(), far), keyframes_.end());
-  const auto oldest = [&] {
-    return std::find_if(keyframes_.begin(), keyframes_.end(), [](const Keyframe& k) { return !k.fixed; });
-  };
-  auto own = std::count_if(keyframes_.begin(), keyframes_.end(), [](const Keyframe& k) { return !k.fixed; });
+  const auto oldest = [&] { return std::find_if_not(keyframes_.begin(), keyframes_.end(), is_given); };
+  auto own = static_cast<std::ptrdiff_t>(keyframes_.size()) -
+             std::count_if(keyframes_.begin(), keyframes_.end(), is_given);
   for (; own > std::max(limits.max_keyframes, 1); --own) keyframes_.erase(oldest());
 
   std::unordered_set<std::uint32_t> kept;
   std::size_t points = keyframes_.back().points.size();
   for (const Keyframe& k : keyframes_) kept.insert(k.id);
   // The cap counts points of the map; the oldest keyframes give way.
-  for (std::uint32_t id : last_seen_) points += kept.count(id);
+  for (std::size_t i = 0; i < cloud_.size(); ++i) points += shown_[i] > 0 || kept.count(last_seen_[i]) > 0;
   for (; points > static_cast<std::size_t>(limits.max_points) && own > 1; --own) {
     const auto gone = oldest();
     points -= static_cast<std::size_t>(std::count(last_seen_.begin(), last_seen_.end(), gone->id));
     kept.erase(gone->id);
     keyframes_.erase(gone);
   }
+  forget_points();
+}
 
-  std::vector<std::uint32_t> stay, last_seen;
+/// Those that no keyframe shows any more.
+void LocalMap::forget_points() {
+  std::unordered_set<std::uint32_t> kept;
+  for (const Keyframe& k : keyframes_) kept.insert(k.id);
+  std::vector<std::uint32_t> stay, last_seen, shown;
   for (std::uint32_t i = 0; i < cloud_.size(); ++i) {
-    if (!kept.count(last_seen_[i])) continue;
+    if (shown_[i] == 0 && !kept.count(last_seen_[i])) continue;
     stay.push_back(i);
     last_seen.push_back(last_seen_[i]);
+    shown.push_back(shown_[i]);
   }
   cloud_ = select(cloud_, stay);
   last_seen_ = std::move(last_seen);
+  shown_ = std::move(shown);
 }
 
 void LocalMap::move_origin(const Eigen::Vector3d& here) {
   // Whole metres, so that the shift is exact in floats for points near the robot, and voxels of the map stay
   // in step.
+  are_counted_ = false;
   const Eigen::Vector3d origin = here.array().round();
   const Eigen::Vector3f shift = (origin_ - origin).cast<float>();
   origin_ = origin;
@@ -159,6 +201,7 @@ void LocalMap::move_origin(const Eigen::Vector3d& here) {
 }
 
 void LocalMap::note_voxels(double voxel) {
+  are_counted_ = are_counted_ && voxel == voxel_;
   voxel_ = voxel;
   const float inverse_voxel = static_cast<float>(1.0 / voxel);
   const auto inverse_cell = static_cast<float>(1.0 / (kSurfaceVoxels * voxel));
@@ -181,16 +224,35 @@ std::size_t LocalMap::add_novel_points(const Keyframe& keyframe) {
     if (ground_.insert(voxel_key(p, inverse_cell), keyframe.id) == keyframe.id) ++novel;
     const auto next = static_cast<std::uint32_t>(cloud_.size());
     const std::uint32_t point = taken_.insert(voxel_key(p, inverse_voxel), next);
-    if (point != next) {
+    if (point == next) {
+      cloud_.push_back(p);
+      last_seen_.push_back(keyframe.id);
+      shown_.push_back(0);
+      cloud_.eyes.push_back(translation);
+      cloud_.alone.push_back(keyframe.points.is_alone(i));
+    } else if (!keyframe.given) {
       last_seen_[point] = keyframe.id;
-      continue;
+    } else if (shown_[point] == 0) {
+      cloud_.x[point] = p.x();
+      cloud_.y[point] = p.y();
+      cloud_.z[point] = p.z();
+      cloud_.eyes[point] = translation;
+      cloud_.alone[point] = keyframe.points.is_alone(i);
     }
-    cloud_.push_back(p);
-    last_seen_.push_back(keyframe.id);
-    cloud_.eyes.push_back(translation);
-    cloud_.alone.push_back(keyframe.points.is_alone(i));
+    if (keyframe.given) ++shown_[point];
   }
   return novel;
+}
+
+/// What it alone shows stays only where a keyframe of the robot's own has seen it.
+void LocalMap::hide(const Keyframe& given) {
+  const float inverse_voxel = static_cast<float>(1.0 / voxel_);
+  const Eigen::Matrix3f rotation = given.map_from_body.linear().cast<float>();
+  const Eigen::Vector3f translation = (given.map_from_body.translation() - origin_).cast<float>();
+  for (std::size_t i = 0; i < given.points.size(); ++i) {
+    const Eigen::Vector3f p = rotation * given.points.point(i) + translation;
+    if (const auto point = taken_.at(voxel_key(p, inverse_voxel))) --shown_[*point];
+  }
 }
 
 PointCloud LocalMap::around(const Eigen::Vector3d& centre, double radius) const {

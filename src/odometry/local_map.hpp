@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "geometry/point_cloud.hpp"
@@ -18,8 +19,8 @@ struct Keyframe {
   std::uint32_t id = 0;
   std::int64_t utime = 0;
   Pose map_from_body = Pose::Identity();
-  PointCloud points;   ///< deskewed and thinned, body frame
-  bool fixed = false;  ///< of a given map, which is right: see LocalMap::found_on()
+  PointCloud points;                   ///< deskewed and thinned, body frame
+  std::optional<std::uint32_t> given;  ///< its id in a given map, which is right: see LocalMap::found_on()
 };
 
 struct LocalMapLimits {
@@ -30,8 +31,9 @@ struct LocalMapLimits {
 
 /// A sliding window of keyframes and their union, thinned to one point a voxel: the first point seen there
 /// (so that the map does not drift with the scans aligned with it), for as long as a keyframe of the window
-/// sees that voxel. Coordinates are floats relative to `origin()`, which follows the robot; axes are those of
-/// the map frame.
+/// sees that voxel. Where a keyframe of a given map shows a voxel, its point stands there instead, so that
+/// the robot's own keyframes only show what the given map does not. Coordinates are floats relative to
+/// `origin()`, which follows the robot; axes are those of the map frame.
 class LocalMap {
  public:
   explicit LocalMap(const LocalMapLimits& limits);
@@ -42,12 +44,15 @@ class LocalMap {
   /// indexed together, only now and then. `voxel` in metres. Returns the share of its points that show new
   /// ground (0 to 1).
   double insert(Keyframe keyframe, double voxel);
-  /// Replaces all keyframes, as if these were inserted in this order, but indexed once. `voxel` in metres.
+  /// Replaces all keyframes, as if these were inserted in this order, given ones first, but indexed once.
+  /// `voxel` in metres.
   /// `places`: the number of places they are of; the limits hold for each place, until the next insert.
   void load(std::vector<Keyframe> keyframes, double voxel, std::size_t places = 1);
-  /// The fixed keyframes of the map become these. A voxel that one of them shows is theirs, so that the other
-  /// keyframes only show what the given map does not. They do not count for the limits. `voxel` in metres.
-  void found_on(std::vector<Keyframe> fixed, double voxel);
+  /// Whether this keyframe of a given map is one of the map's, at this pose.
+  bool has(std::uint32_t given, const Pose& map_from_body) const;
+  /// The given keyframes of the map become these; those that it has() need no points. They do not count as
+  /// keyframes for the limits. `voxel` in metres.
+  void found_on(std::vector<Keyframe> given, double voxel);
   /// Whether scans are of a planar sensor from now on: surfaces are then vertical.
   void set_planar(bool planar);
   bool planar() const { return planar_; }
@@ -75,12 +80,16 @@ class LocalMap {
   void note_voxels(double voxel);
   void index_all();
   std::size_t add_novel_points(const Keyframe& keyframe);
+  void hide(const Keyframe& given);
+  void forget_points();
 
   LocalMapLimits limits_;
   std::deque<Keyframe> keyframes_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   PointCloud cloud_;                      ///< relative to origin_
   std::vector<std::uint32_t> last_seen_;  ///< by which keyframe, its id, each point
+  std::vector<std::uint32_t> shown_;      ///< points of given keyframes in the voxel of each point
+  bool are_counted_ = false;              ///< those, by the voxels that `taken_` is of
   bool planar_ = false;
   double voxel_ = 0;  ///< metres, of the grid that `taken_` is of
   VoxelIndex taken_;

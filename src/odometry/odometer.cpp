@@ -116,8 +116,10 @@ namespace {
 
 /// Of the first `count` archived keyframes the nearest ones around each of the `centres`, `most` of each: the
 /// nearest last.
-std::vector<Keyframe> nearest_keyframes(const std::vector<ArchivedKeyframe>& archived, std::size_t count,
-                                        const std::vector<Eigen::Vector3d>& centres, int most) {
+std::vector<const ArchivedKeyframe*> nearest_keyframes(const std::vector<ArchivedKeyframe>& archived,
+                                                       std::size_t count,
+                                                       const std::vector<Eigen::Vector3d>& centres,
+                                                       int most) {
   // Of each, its distance to the nearest centre that wants it.
   std::vector<double> wanted(count, std::numeric_limits<double>::infinity());
   for (const Eigen::Vector3d& centre : centres) {
@@ -135,32 +137,47 @@ std::vector<Keyframe> nearest_keyframes(const std::vector<ArchivedKeyframe>& arc
   }
   std::stable_sort(nearest.begin(), nearest.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<Keyframe> keyframes;
-  for (auto k = nearest.rbegin(); k != nearest.rend(); ++k) {
-    Keyframe keyframe;
-    keyframe.utime = k->second->utime;
-    keyframe.map_from_body = k->second->map_from_body;
-    keyframe.points = *k->second->points.cloud();
-    keyframes.push_back(std::move(keyframe));
-  }
+  std::vector<const ArchivedKeyframe*> keyframes;
+  for (auto k = nearest.rbegin(); k != nearest.rend(); ++k) keyframes.push_back(k->second);
   return keyframes;
+}
+
+/// Without points.
+Keyframe keyframe_of(const ArchivedKeyframe& archived, bool given) {
+  Keyframe keyframe;
+  keyframe.utime = archived.utime;
+  keyframe.map_from_body = archived.map_from_body;
+  if (given) keyframe.given = archived.id;
+  return keyframe;
 }
 
 }  // namespace
 
 void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
-                      const std::vector<Eigen::Vector3d>& centres, double voxel) {
+                      const std::vector<Eigen::Vector3d>& centres, double voxel, std::size_t given) {
   // The map forgets from the front, where the farthest are.
-  std::vector<Keyframe> keyframes =
-      nearest_keyframes(archived, archived.size(), centres, config_.max_keyframes);
+  std::vector<Keyframe> keyframes;
+  for (const ArchivedKeyframe* k :
+       nearest_keyframes(archived, archived.size(), centres, config_.max_keyframes)) {
+    keyframes.push_back(keyframe_of(*k, static_cast<std::size_t>(k - archived.data()) < given));
+    keyframes.back().points = *k->points.cloud();
+  }
   first_.points = {};
   if (!keyframes.empty()) last_keyframe_pose_ = keyframes.back().map_from_body;
   map_.load(std::move(keyframes), voxel, centres.size());
 }
 
-void Odometer::found_on(const std::vector<ArchivedKeyframe>& archived, std::size_t fixed, double voxel) {
-  map_.found_on(nearest_keyframes(archived, fixed, {state().pose.translation()}, config_.max_keyframes),
-                voxel);
+double Odometer::found_on(const std::vector<ArchivedKeyframe>& archived, std::size_t given, double voxel) {
+  const Eigen::Vector3d here = state().pose.translation();
+  std::vector<Keyframe> keyframes;
+  double farthest = 0;
+  for (const ArchivedKeyframe* k : nearest_keyframes(archived, given, {here}, config_.max_keyframes)) {
+    farthest = std::max(farthest, (k->map_from_body.translation() - here).norm());
+    keyframes.push_back(keyframe_of(*k, true));
+    if (!map_.has(k->id, k->map_from_body)) keyframes.back().points = *k->points.cloud();
+  }
+  map_.found_on(std::move(keyframes), voxel);
+  return farthest;
 }
 
 void Odometer::take_usual_from(const Odometer& other) {

@@ -70,12 +70,14 @@ class Odometer {
   void set_planar(bool planar);
   bool planar() const { return map_.planar(); }
   /// The map becomes the archived keyframes around the `centres` (map frame): around each as many as around
-  /// that one alone. The usual energy stays. Throws PointsUnreadable, and changes nothing then.
+  /// that one alone. The first `given` of them are of a given map. The usual energy stays. Throws
+  /// PointsUnreadable, and changes nothing then.
   void reload(const std::vector<ArchivedKeyframe>& archived, const std::vector<Eigen::Vector3d>& centres,
-              double voxel);
-  /// The map is founded on those of the first `fixed` archived keyframes that are around the robot, see
-  /// LocalMap::found_on(). Throws PointsUnreadable, and changes nothing then.
-  void found_on(const std::vector<ArchivedKeyframe>& archived, std::size_t fixed, double voxel);
+              double voxel, std::size_t given = 0);
+  /// The map is founded on those of the first `given` archived keyframes that are around the robot, see
+  /// LocalMap::found_on(). Returns metres to the farthest of them. Throws PointsUnreadable, and changes
+  /// nothing then.
+  double found_on(const std::vector<ArchivedKeyframe>& archived, std::size_t given, double voxel);
 
   /// Takes over the usual energy of another odometer of the same sensor, until something was aligned here, as
   /// in a map that was loaded. Without effect afterwards.

@@ -243,7 +243,7 @@ void Relocation::cover(const std::vector<Pose>& places, const KeyframeArchive& a
                           (rival && away < kAsNear * distance_to(archive.keyframes(), centre)));
   }
   if (covered) return;
-  odometer.reload(archive.keyframes(), centres, voxel);
+  odometer.reload(archive.keyframes(), centres, voxel, archive.fixed());
   map_of_several_ = centres.size() > 1;
 }
 

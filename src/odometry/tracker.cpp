@@ -218,12 +218,13 @@ struct Tracker::State {
     };
     const auto own = archived.begin() + static_cast<std::ptrdiff_t>(archive.fixed());
     if (std::none_of(archived.begin(), own, shows)) return;
-    read_map([&] {
-      odometer->found_on(archived, archive.fixed(), scale.current(0));
-      odometer->set_drift(Matrix6::Zero());
-    });
     founded_at = here;
     founded_within = kSameSpot * archive.scene(here);
+    read_map([&] {
+      const double shown = odometer->found_on(archived, archive.fixed(), scale.current(0));
+      founded_within = std::max(founded_within, kSameSpot * shown);
+      odometer->set_drift(Matrix6::Zero());
+    });
   }
 
   void keep(const PreparedScan& scan, double share) {
@@ -340,7 +341,7 @@ struct Tracker::State {
 
   /// The local map becomes what is archived around there.
   void reload(const Eigen::Vector3d& centre) {
-    read_map([&] { odometer->reload(archive.keyframes(), {centre}, scale.current(0)); });
+    read_map([&] { odometer->reload(archive.keyframes(), {centre}, scale.current(0), archive.fixed()); });
   }
 
   // ---- reporting
@@ -545,7 +546,7 @@ std::int64_t Tracker::local_map_utime() const {
   const auto& keyframes = state_->odometer->map().keyframes();
   std::int64_t earliest = state_->time.now();
   for (const Keyframe& k : keyframes)
-    if (!k.fixed) earliest = std::min(earliest, k.utime);
+    if (!k.given) earliest = std::min(earliest, k.utime);
   return earliest;
 }
 double Tracker::voxel() const {

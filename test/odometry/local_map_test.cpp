@@ -79,9 +79,14 @@ TEST_CASE("where a given map shows a voxel its point stands for it, and its keyf
     add_row(x, &result.points);
     return result;
   };
+  const auto given = [&](float x, std::uint32_t id) {
+    Keyframe result = keyframe(x, 0);
+    result.given = id;
+    return result;
+  };
   map.insert(keyframe(0.1f, 1), kVoxel);
   map.insert(keyframe(5.1f, 2), kVoxel);
-  map.found_on({keyframe(0.15f, 3), keyframe(9.1f, 4)}, kVoxel);
+  map.found_on({given(0.15f, 3), given(9.1f, 4)}, kVoxel);
   CHECK(map.keyframes().size() == 4);
   CHECK(points_at(0.1f, map) == 0);
   CHECK(points_at(0.15f, map) == 40);  // in the same voxels
@@ -90,9 +95,53 @@ TEST_CASE("where a given map shows a voxel its point stands for it, and its keyf
   map.insert(keyframe(7.1f, 5), 0.99 * kVoxel);  // the oldest of its own is forgotten
   CHECK(map.keyframes().size() == 4);
   CHECK(points_at(5.1f, map) == 40);
-  map.found_on({keyframe(20.1f, 6)}, kVoxel);
+  map.found_on({given(20.1f, 6)}, kVoxel);
   CHECK(map.keyframes().size() == 3);
   CHECK(points_at(9.1f, map) == 0);
+}
+
+TEST_CASE("a map that is founded anew step by step is the one that is founded at once") {
+  const auto given = [](std::uint32_t id, bool with_points) {
+    Keyframe result;
+    result.given = id;
+    result.map_from_body.translation().x() = 3.0 * id;
+    if (!with_points) return result;
+    add_row(0.1f, &result.points);  // of two keyframes a row lies in the same voxels
+    add_row(3.1f, &result.points);
+    return result;
+  };
+  Keyframe own;
+  add_row(6.15f, &own.points);
+  add_row(50.1f, &own.points);
+  LocalMap step_by_step(LocalMapLimits{});
+  step_by_step.insert(own, kVoxel);
+  const Pose elsewhere(Eigen::Translation3d(3, 0, 0.5));
+  for (std::uint32_t first = 0; first < 5; ++first) {
+    std::vector<Keyframe> some, all;
+    for (std::uint32_t id = first; id < first + 3; ++id) {
+      const Keyframe wanted = given(id, true);
+      some.push_back(given(id, !step_by_step.has(id, wanted.map_from_body)));
+      all.push_back(wanted);
+    }
+    CHECK(step_by_step.has(first, all[0].map_from_body) == (first > 0));
+    CHECK_FALSE(step_by_step.has(first, elsewhere));
+    step_by_step.found_on(some, kVoxel);
+    LocalMap at_once(LocalMapLimits{});
+    at_once.insert(own, kVoxel);
+    at_once.found_on(all, kVoxel);
+    CHECK(step_by_step.keyframes().size() == 4);
+    CHECK(step_by_step.size() == at_once.size());
+    for (int row = 0; row < 10; ++row) {
+      CAPTURE(first);
+      CAPTURE(row);
+      // Where the robot itself has seen a voxel, the point that was given stays.
+      if (row != 2 || first < 3)
+        CHECK(points_at(0.1f + 3.0f * static_cast<float>(row), step_by_step) ==
+              points_at(0.1f + 3.0f * static_cast<float>(row), at_once));
+    }
+    CHECK(points_at(50.1f, step_by_step) == 40);
+  }
+  CHECK(points_at(6.1f, step_by_step) == 40);
 }
 
 TEST_CASE("a map that is loaded is the one that was inserted") {
