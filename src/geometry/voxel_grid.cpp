@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "geometry/radix_sort.hpp"
 
@@ -225,6 +226,21 @@ std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, float voxel) {
 std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, const std::vector<std::uint32_t>& subset,
                                          float voxel) {
   return thin(cloud, subset.size(), voxel, [&](std::size_t i) { return subset[i]; });
+}
+
+void ThinnedCloud::thin() {
+  points_ = select(points_, thin_by_voxel(points_, voxel_));
+}
+
+void ThinnedCloud::settle() {
+  if (points_.size() < most_) return;
+  thin();
+  most_ = std::max(most_, 2 * points_.size());
+}
+
+PointCloud ThinnedCloud::take() {
+  thin();
+  return std::exchange(points_, {});
 }
 
 std::size_t count_voxels(const PointCloud& cloud, float size) {

@@ -26,6 +26,24 @@ std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, float voxel);
 std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, const std::vector<std::uint32_t>& subset,
                                          float voxel);
 
+/// Gathers points and leaves those of thin_by_voxel(). It thins them in between, too, which leaves the same
+/// points, so that it holds at most twice as many as are left, or half a million. `voxel` in metres, > 0.
+class ThinnedCloud {
+ public:
+  explicit ThinnedCloud(float voxel) : voxel_(voxel) {}
+  /// To append points to, of the same attributes each time. Call settle() now and then.
+  PointCloud& points() { return points_; }
+  void settle();
+  PointCloud take();
+
+ private:
+  void thin();
+
+  float voxel_;
+  PointCloud points_;
+  std::size_t most_ = std::size_t{1} << 19;  ///< points, before they are thinned
+};
+
 /// How many points thin_by_voxel() would leave.
 std::size_t count_voxels(const PointCloud& cloud, float voxel);
 

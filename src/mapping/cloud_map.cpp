@@ -281,13 +281,14 @@ SavedMap map_of_cloud(const PointCloud& cloud, const std::string& name, const Cl
 }
 
 PointCloud cloud_of_map(const SavedMap& map, float voxel) {
-  PointCloud all;
+  ThinnedCloud all(voxel);
   for (const ArchivedKeyframe& k : map.keyframes) {
     const std::shared_ptr<const PointCloud> points = k.points.cloud();
     for (std::size_t i = 0; i < points->size(); ++i)
-      all.push_back((k.map_from_body * points->point(i).cast<double>()).cast<float>());
+      all.points().push_back((k.map_from_body * points->point(i).cast<double>()).cast<float>());
+    all.settle();
   }
-  return select(all, thin_by_voxel(all, voxel));
+  return all.take();
 }
 
 }  // namespace scanlock

@@ -18,7 +18,6 @@ constexpr std::int64_t kFresh = 60000000;   // microseconds: the drift of a minu
 constexpr double kNeighbourhood = 20.0;     // metres
 constexpr std::size_t kMostPoints = 3000;   // of a place
 constexpr double kLeastTie = 1e-8;          // (0.1 mm)^2 and (0.1 mrad)^2: no chain is rigid
-constexpr std::size_t kGathered = 1 << 19;  // points, before they are thinned
 constexpr float kStandStep = 0.05F;         // radians, between two that count as different
 
 template <typename Vector>
@@ -261,9 +260,7 @@ std::vector<const ArchivedKeyframe*> keyframes_seeing(const std::vector<Archived
 
 PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const Eigen::Vector3d& centre,
                          double radius, double voxel) {
-  PointCloud all;
-  const auto thin = [&] { all = select(all, thin_by_voxel(all, static_cast<float>(voxel))); };
-  std::size_t most = kGathered;  // thinning in between leaves the same points, and takes less memory
+  ThinnedCloud all(static_cast<float>(voxel));
   const auto radius2 = static_cast<float>(radius * radius);
   for (const ArchivedKeyframe* k : keyframes_seeing(keyframes, centre, radius)) {
     const Eigen::Matrix3f rotation = k->map_from_body.linear().cast<float>();
@@ -272,15 +269,12 @@ PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const E
     for (std::size_t i = 0; i < points->size(); ++i) {
       const Eigen::Vector3f p = rotation * points->point(i) + translation;
       if (!(p.head<2>().squaredNorm() < radius2)) continue;
-      all.push_back(p);
-      all.eyes.push_back(translation);
+      all.points().push_back(p);
+      all.points().eyes.push_back(translation);
     }
-    if (all.size() < most) continue;
-    thin();
-    most = std::max(most, 2 * all.size());
+    all.settle();
   }
-  thin();
-  return all;
+  return all.take();
 }
 
 }  // namespace scanlock

@@ -56,6 +56,23 @@ TEST_CASE("thinning does not depend on the order of the points") {
   CHECK(a.time == b.time);
 }
 
+TEST_CASE("a cloud that is thinned while it is gathered is the one that is thinned at the end") {
+  const PointCloud cloud = random_cloud(1200000, 4);
+  ThinnedCloud gathered(0.1f);
+  std::size_t greatest = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    gathered.points().push_back(cloud.point(i));
+    gathered.points().time.push_back(cloud.time[i]);
+    if (i % 1000 != 0) continue;
+    gathered.settle();
+    greatest = std::max(greatest, gathered.points().size());
+  }
+  const PointCloud a = gathered.take(), b = select(cloud, thin_by_voxel(cloud, 0.1f));
+  CHECK(a.x == b.x);
+  CHECK(a.time == b.time);
+  CHECK(greatest < cloud.size());
+}
+
 TEST_CASE("thinning leaves out what no voxel can hold") {
   scanlock::PointCloud cloud;
   cloud.push_back(std::numeric_limits<float>::quiet_NaN(), 0, 0);
