@@ -14,11 +14,11 @@
 namespace scanlock {
 namespace {
 
-constexpr std::int64_t kFresh = 60000000;   // microseconds: the drift of a minute does not matter
-constexpr double kNeighbourhood = 20.0;     // metres
-constexpr std::size_t kMostPoints = 3000;   // of a place
-constexpr double kLeastTie = 1e-8;          // (0.1 mm)^2 and (0.1 mrad)^2: no chain is rigid
-constexpr float kStandStep = 0.05F;         // radians, between two that count as different
+constexpr std::int64_t kFresh = 60000000;  // microseconds: the drift of a minute does not matter
+constexpr double kNeighbourhood = 20.0;    // metres
+constexpr std::size_t kMostPoints = 3000;  // of a place
+constexpr double kLeastTie = 1e-8;         // (0.1 mm)^2 and (0.1 mrad)^2: no chain is rigid
+constexpr float kStandStep = 0.05F;        // radians, between two that count as different
 
 template <typename Vector>
 bool stands_alike(const std::vector<Vector>& stands, const Vector& up) {

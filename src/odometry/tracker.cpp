@@ -217,7 +217,10 @@ struct Tracker::State {
       return (k.map_from_body.translation() - here).norm() < static_cast<double>(k.reach);
     };
     const auto own = archived.begin() + static_cast<std::ptrdiff_t>(archive.fixed());
-    if (std::none_of(archived.begin(), own, shows)) return;
+    if (std::none_of(archived.begin(), own, shows)) {
+      leave_given_map(here);
+      return;
+    }
     founded_at = here;
     founded_within = kSameSpot * archive.scene(here);
     read_map([&] {
@@ -225,6 +228,13 @@ struct Tracker::State {
       founded_within = std::max(founded_within, kSameSpot * shown);
       odometer->set_drift(Matrix6::Zero());
     });
+  }
+
+  /// What lies farther off than the sensor reaches does not hold the robot any more.
+  void leave_given_map(const Eigen::Vector3d& here) {
+    if (!founded_at || (*founded_at - here).norm() < config.max_range_m) return;
+    read_map([&] { odometer->found_on({}, 0, scale.current(0)); });
+    founded_at.reset();
   }
 
   void keep(const PreparedScan& scan, double share) {

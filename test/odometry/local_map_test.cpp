@@ -142,6 +142,9 @@ TEST_CASE("a map that is founded anew step by step is the one that is founded at
     CHECK(points_at(50.1f, step_by_step) == 40);
   }
   CHECK(points_at(6.1f, step_by_step) == 40);
+  step_by_step.found_on({}, kVoxel);
+  CHECK(step_by_step.keyframes().size() == 1);
+  CHECK(step_by_step.size() == 80);
 }
 
 TEST_CASE("a map that is loaded is the one that was inserted") {
