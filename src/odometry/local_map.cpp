@@ -117,11 +117,11 @@ void LocalMap::found_on(std::vector<Keyframe> given, double voxel) {
     if (!anew) add_novel_points(keyframe);
     keyframes_.push_front(std::move(keyframe));
   }
-  if (anew) {
+  if (anew || keyframes_.empty()) {
     load({std::make_move_iterator(keyframes_.begin()), std::make_move_iterator(keyframes_.end())}, voxel);
     return;
   }
-  forget_points();
+  forget(keyframes_.back().map_from_body.translation(), limits_);
   note_voxels(voxel);
   index_all();
 }

@@ -95,6 +95,12 @@ TEST_CASE("where a given map shows a voxel its point stands for it, and its keyf
   map.insert(keyframe(7.1f, 5), 0.99 * kVoxel);  // the oldest of its own is forgotten
   CHECK(map.keyframes().size() == 4);
   CHECK(points_at(5.1f, map) == 40);
+  for (const float x : {11.1f, 13.1f}) map.insert(keyframe(x, 6), 0.99 * kVoxel);
+  CHECK(map.keyframes().size() == 6);  // of so few new points no old one is forgotten
+  map.found_on({given(9.1f, 4)}, 0.99 * kVoxel);
+  CHECK(map.keyframes().size() == 3);
+  CHECK(points_at(7.1f, map) == 0);
+  CHECK(points_at(11.1f, map) == 40);
   map.found_on({given(20.1f, 6)}, kVoxel);
   CHECK(map.keyframes().size() == 3);
   CHECK(points_at(9.1f, map) == 0);
@@ -145,6 +151,9 @@ TEST_CASE("a map that is founded anew step by step is the one that is founded at
   step_by_step.found_on({}, kVoxel);
   CHECK(step_by_step.keyframes().size() == 1);
   CHECK(step_by_step.size() == 80);
+  LocalMap of_none(LocalMapLimits{});
+  of_none.found_on({}, kVoxel);
+  CHECK(of_none.size() == 0);
 }
 
 TEST_CASE("a map that is loaded is the one that was inserted") {
