@@ -15,7 +15,7 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kFresh = 5;          // one in so many points: then all are indexed together
+constexpr std::size_t kFreshShare = 5;     // one in so many points: then all are indexed together
 constexpr std::size_t kLeastFresh = 4000;  // points: a tree of so few is built in half a millisecond
 constexpr double kSurfaceVoxels = 4.0;     // radius of what a surface is fitted to
 constexpr double kOriginReach = 200.0;     // metres: at this distance a float still resolves 15 micrometres
@@ -141,7 +141,7 @@ void LocalMap::set_planar(bool planar) {
 bool LocalMap::wants_rebuild(const Eigen::Vector3d& here, double voxel) const {
   const std::size_t fresh = cloud_.size() - tree_.old_points();
   return keyframes_.size() == 1 || voxel != voxel_ ||
-         fresh > std::max(kLeastFresh, tree_.old_points() / kFresh) ||
+         fresh > std::max(kLeastFresh, tree_.old_points() / kFreshShare) ||
          cloud_.size() + keyframes_.back().points.size() > static_cast<std::size_t>(limits_.max_points) ||
          (here - origin_).norm() > 2.0 * kOriginReach;
 }
@@ -163,7 +163,7 @@ void LocalMap::forget(const Eigen::Vector3d& here, const LocalMapLimits& limits)
   // The cap counts points of the map; the oldest keyframes give way.
   for (std::size_t i = 0; i < cloud_.size(); ++i) points += shown_[i] > 0 || kept.count(last_seen_[i]) > 0;
   std::size_t most = static_cast<std::size_t>(limits.max_points);
-  if (points > most) most -= most / kFresh;  // or each keyframe that follows would want a rebuild
+  if (points > most) most -= most / kFreshShare;  // or each keyframe that follows would want a rebuild
   for (; points > most && own > 1; --own) {
     const auto gone = oldest();
     points -= static_cast<std::size_t>(std::count(last_seen_.begin(), last_seen_.end(), gone->id));
