@@ -30,6 +30,10 @@ bool is_given(const Keyframe& keyframe) {
   return keyframe.given.has_value();
 }
 
+double share_of_points(std::size_t some, const Keyframe& keyframe) {
+  return static_cast<double>(some) / static_cast<double>(std::max<std::size_t>(keyframe.points.size(), 1));
+}
+
 bool is_same(const Keyframe& keyframe, std::uint32_t given, const Pose& map_from_body) {
   return keyframe.given == given && keyframe.map_from_body.matrix() == map_from_body.matrix();
 }
@@ -56,7 +60,10 @@ double LocalMap::insert(Keyframe keyframe, double voxel) {
   const bool rebuild = wants_rebuild(here, voxel);
   if (rebuild) {
     forget(here, limits_);
-    if ((here - origin_).norm() > kOriginReach || keyframes_.size() == 1) move_origin(here);
+    const bool moves = (here - origin_).norm() > kOriginReach || keyframes_.size() == 1;
+    // The voxels that given keyframes show are counted in one grid.
+    if ((moves || voxel != voxel_) && is_founded()) return load(taken_out(), voxel);
+    if (moves) move_origin(here);
     note_voxels(voxel);
   }
   const std::size_t novel = add_novel_points(keyframes_.back());
@@ -66,22 +73,21 @@ double LocalMap::insert(Keyframe keyframe, double voxel) {
     tree_.grow(cloud_);
     surfaces_.grow();
   }
-  return static_cast<double>(novel) /
-         static_cast<double>(std::max<std::size_t>(keyframes_.back().points.size(), 1));
+  return share_of_points(novel, keyframes_.back());
 }
 
-void LocalMap::load(std::vector<Keyframe> keyframes, double voxel, std::size_t places) {
+double LocalMap::load(std::vector<Keyframe> keyframes, double voxel, std::size_t places) {
   clear();
-  if (keyframes.empty()) return;
+  if (keyframes.empty()) return 0;
   const Eigen::Vector3d here = keyframes.back().map_from_body.translation();
   move_origin(here);
   note_voxels(voxel);
-  are_counted_ = true;
   std::stable_partition(keyframes.begin(), keyframes.end(), is_given);
+  std::size_t novel = 0;
   for (Keyframe& keyframe : keyframes) {
     keyframe.id = next_id_++;
     keyframes_.push_back(std::move(keyframe));
-    add_novel_points(keyframes_.back());
+    novel = add_novel_points(keyframes_.back());
   }
   LocalMapLimits limits = limits_;
   if (places > 1) {
@@ -89,9 +95,11 @@ void LocalMap::load(std::vector<Keyframe> keyframes, double voxel, std::size_t p
     limits.max_points *= static_cast<int>(places);
     limits.max_distance = std::numeric_limits<double>::infinity();
   }
+  const double share = share_of_points(novel, keyframes_.back());
   forget(here, limits);
   note_voxels(voxel);
   index_all();
+  return share;
 }
 
 bool LocalMap::has(std::uint32_t given, const Pose& map_from_body) const {
@@ -100,31 +108,29 @@ bool LocalMap::has(std::uint32_t given, const Pose& map_from_body) const {
 }
 
 void LocalMap::found_on(std::vector<Keyframe> given, double voxel) {
-  std::vector<Keyframe> stay;
-  for (Keyframe& keyframe : keyframes_) {
-    const bool stays = !keyframe.given || std::any_of(given.begin(), given.end(), [&](const Keyframe& k) {
-      return is_same(k, *keyframe.given, keyframe.map_from_body);
-    });
-    if (stays)
-      stay.push_back(std::move(keyframe));
-    else if (are_counted_)
-      hide(keyframe);
-  }
-  keyframes_.assign(std::make_move_iterator(stay.begin()), std::make_move_iterator(stay.end()));
-  const bool anew = !are_counted_ || voxel != voxel_;
+  drop([&](const Keyframe& old) {
+    return old.given && std::none_of(given.begin(), given.end(), [&](const Keyframe& k) {
+             return is_same(k, *old.given, old.map_from_body);
+           });
+  });
+  const bool anew = keyframes_.empty() || voxel != voxel_;
   for (Keyframe& keyframe : given) {
     if (has(*keyframe.given, keyframe.map_from_body)) continue;
     keyframe.id = next_id_++;
     if (!anew) add_novel_points(keyframe);
     keyframes_.push_front(std::move(keyframe));
   }
-  if (anew || keyframes_.empty()) {
-    load({std::make_move_iterator(keyframes_.begin()), std::make_move_iterator(keyframes_.end())}, voxel);
+  if (anew) {
+    load(taken_out(), voxel);
     return;
   }
   forget(keyframes_.back().map_from_body.translation(), limits_);
   note_voxels(voxel);
   index_all();
+}
+
+std::vector<Keyframe> LocalMap::taken_out() {
+  return {std::make_move_iterator(keyframes_.begin()), std::make_move_iterator(keyframes_.end())};
 }
 
 void LocalMap::index_all() {
@@ -148,10 +154,9 @@ bool LocalMap::wants_rebuild(const Eigen::Vector3d& here, double voxel) const {
 
 void LocalMap::forget(const Eigen::Vector3d& here, const LocalMapLimits& limits) {
   const std::uint32_t newest = keyframes_.back().id;
-  const auto far = [&](const Keyframe& k) {
-    return !k.given && k.id != newest && (k.map_from_body.translation() - here).norm() > limits.max_distance;
-  };
-  keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(), far), keyframes_.end());
+  drop([&](const Keyframe& k) {
+    return k.id != newest && (k.map_from_body.translation() - here).norm() > limits.max_distance;
+  });
   const auto oldest = [&] { return std::find_if_not(keyframes_.begin(), keyframes_.end(), is_given); };
   auto own = static_cast<std::ptrdiff_t>(keyframes_.size()) -
              std::count_if(keyframes_.begin(), keyframes_.end(), is_given);
@@ -192,7 +197,6 @@ void LocalMap::forget_points() {
 void LocalMap::move_origin(const Eigen::Vector3d& here) {
   // Whole metres, so that the shift is exact in floats for points near the robot, and voxels of the map stay
   // in step.
-  are_counted_ = false;
   const Eigen::Vector3d origin = here.array().round();
   const Eigen::Vector3f shift = (origin_ - origin).cast<float>();
   origin_ = origin;
@@ -205,7 +209,6 @@ void LocalMap::move_origin(const Eigen::Vector3d& here) {
 }
 
 void LocalMap::note_voxels(double voxel) {
-  are_counted_ = are_counted_ && voxel == voxel_;
   voxel_ = voxel;
   const float inverse_voxel = static_cast<float>(1.0 / voxel);
   const auto inverse_cell = static_cast<float>(1.0 / (kSurfaceVoxels * voxel));
@@ -217,22 +220,30 @@ void LocalMap::note_voxels(double voxel) {
   }
 }
 
-std::size_t LocalMap::add_novel_points(const Keyframe& keyframe) {
-  std::size_t novel = 0;
+template <typename Visit>
+void LocalMap::each_point(const Keyframe& keyframe, const Visit& visit) const {
   const float inverse_voxel = static_cast<float>(1.0 / voxel_);
-  const auto inverse_cell = static_cast<float>(1.0 / (kSurfaceVoxels * voxel_));
   const Eigen::Matrix3f rotation = keyframe.map_from_body.linear().cast<float>();
   const Eigen::Vector3f translation = (keyframe.map_from_body.translation() - origin_).cast<float>();
   for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
     const Eigen::Vector3f p = rotation * keyframe.points.point(i) + translation;
+    visit(i, p, voxel_key(p, inverse_voxel));
+  }
+}
+
+std::size_t LocalMap::add_novel_points(const Keyframe& keyframe) {
+  std::size_t novel = 0;
+  const auto inverse_cell = static_cast<float>(1.0 / (kSurfaceVoxels * voxel_));
+  const Eigen::Vector3f eye = (keyframe.map_from_body.translation() - origin_).cast<float>();
+  each_point(keyframe, [&](std::size_t i, const Eigen::Vector3f& p, std::uint64_t key) {
     if (ground_.insert(voxel_key(p, inverse_cell), keyframe.id) == keyframe.id) ++novel;
     const auto next = static_cast<std::uint32_t>(cloud_.size());
-    const std::uint32_t point = taken_.insert(voxel_key(p, inverse_voxel), next);
+    const std::uint32_t point = taken_.insert(key, next);
     if (point == next) {
       cloud_.push_back(p);
       last_seen_.push_back(keyframe.id);
       shown_.push_back(0);
-      cloud_.eyes.push_back(translation);
+      cloud_.eyes.push_back(eye);
       cloud_.alone.push_back(keyframe.points.is_alone(i));
     } else if (!keyframe.given) {
       last_seen_[point] = keyframe.id;
@@ -240,23 +251,24 @@ std::size_t LocalMap::add_novel_points(const Keyframe& keyframe) {
       cloud_.x[point] = p.x();
       cloud_.y[point] = p.y();
       cloud_.z[point] = p.z();
-      cloud_.eyes[point] = translation;
+      cloud_.eyes[point] = eye;
       cloud_.alone[point] = keyframe.points.is_alone(i);
     }
     if (keyframe.given) ++shown_[point];
-  }
+  });
   return novel;
 }
 
-/// What it alone shows stays only where a keyframe of the robot's own has seen it.
-void LocalMap::hide(const Keyframe& given) {
-  const float inverse_voxel = static_cast<float>(1.0 / voxel_);
-  const Eigen::Matrix3f rotation = given.map_from_body.linear().cast<float>();
-  const Eigen::Vector3f translation = (given.map_from_body.translation() - origin_).cast<float>();
-  for (std::size_t i = 0; i < given.points.size(); ++i) {
-    const Eigen::Vector3f p = rotation * given.points.point(i) + translation;
-    if (const auto point = taken_.at(voxel_key(p, inverse_voxel))) --shown_[*point];
+/// What a given keyframe alone shows stays only where a keyframe of the robot's own has seen it.
+template <typename Out>
+void LocalMap::drop(const Out& out) {
+  for (const Keyframe& k : keyframes_) {
+    if (!k.given || !out(k)) continue;
+    each_point(k, [&](std::size_t, const Eigen::Vector3f&, std::uint64_t key) {
+      if (const auto point = taken_.at(key)) --shown_[*point];
+    });
   }
+  keyframes_.erase(std::remove_if(keyframes_.begin(), keyframes_.end(), out), keyframes_.end());
 }
 
 PointCloud LocalMap::around(const Eigen::Vector3d& centre, double radius) const {

@@ -45,14 +45,16 @@ class LocalMap {
   /// ground (0 to 1).
   double insert(Keyframe keyframe, double voxel);
   /// Replaces all keyframes, as if these were inserted in this order, given ones first, but indexed once.
-  /// `voxel` in metres.
-  /// `places`: the number of places they are of; the limits hold for each place, until the next insert.
-  void load(std::vector<Keyframe> keyframes, double voxel, std::size_t places = 1);
+  /// Returns what the last insert() would. `voxel` in metres. `places`: the number of places they are of; the
+  /// limits hold for each place, until the next insert.
+  double load(std::vector<Keyframe> keyframes, double voxel, std::size_t places = 1);
   /// Whether this keyframe of a given map is one of the map's, at this pose.
   bool has(std::uint32_t given, const Pose& map_from_body) const;
   /// The given keyframes of the map become these; those that it has() need no points. They do not count as
-  /// keyframes for the limits. `voxel` in metres.
+  /// keyframes for the limits, but those too far away are forgotten. `voxel` in metres.
   void found_on(std::vector<Keyframe> given, double voxel);
+  /// Whether it is founded on keyframes of a given map.
+  bool is_founded() const { return !keyframes_.empty() && keyframes_.front().given; }
   /// Whether scans are of a planar sensor from now on: surfaces are then vertical.
   void set_planar(bool planar);
   bool planar() const { return planar_; }
@@ -80,8 +82,13 @@ class LocalMap {
   void note_voxels(double voxel);
   void index_all();
   std::size_t add_novel_points(const Keyframe& keyframe);
-  void hide(const Keyframe& given);
+  template <typename Out>
+  void drop(const Out& out);
+  /// visit(index, point relative to origin(), key of its voxel).
+  template <typename Visit>
+  void each_point(const Keyframe& keyframe, const Visit& visit) const;
   void forget_points();
+  std::vector<Keyframe> taken_out();
 
   LocalMapLimits limits_;
   std::deque<Keyframe> keyframes_;
@@ -89,7 +96,6 @@ class LocalMap {
   PointCloud cloud_;                      ///< relative to origin_
   std::vector<std::uint32_t> last_seen_;  ///< by which keyframe, its id, each point
   std::vector<std::uint32_t> shown_;      ///< points of given keyframes in the voxel of each point
-  bool are_counted_ = false;              ///< those, by the voxels that `taken_` is of
   bool planar_ = false;
   double voxel_ = 0;  ///< metres, of the grid that `taken_` is of
   VoxelIndex taken_;

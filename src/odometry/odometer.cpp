@@ -172,7 +172,9 @@ double Odometer::found_on(const std::vector<ArchivedKeyframe>& archived, std::si
   std::vector<Keyframe> keyframes;
   double farthest = 0;
   for (const ArchivedKeyframe* k : nearest_keyframes(archived, given, {here}, config_.max_keyframes)) {
-    farthest = std::max(farthest, (k->map_from_body.translation() - here).norm());
+    const double distance = (k->map_from_body.translation() - here).norm();
+    if (distance > config_.max_range_m) continue;
+    farthest = std::max(farthest, distance);
     keyframes.push_back(keyframe_of(*k, true));
     if (!map_.has(k->id, k->map_from_body)) keyframes.back().points = *k->points.cloud();
   }

@@ -74,8 +74,8 @@ class Odometer {
   /// PointsUnreadable, and changes nothing then.
   void reload(const std::vector<ArchivedKeyframe>& archived, const std::vector<Eigen::Vector3d>& centres,
               double voxel, std::size_t given = 0);
-  /// The map is founded on those of the first `given` archived keyframes that are around the robot, see
-  /// LocalMap::found_on(). Returns metres to the farthest of them. Throws PointsUnreadable, and changes
+  /// The map is founded on those of the first `given` archived keyframes that are within range of the robot,
+  /// see LocalMap::found_on(). Returns metres to the farthest of them. Throws PointsUnreadable, and changes
   /// nothing then.
   double found_on(const std::vector<ArchivedKeyframe>& archived, std::size_t given, double voxel);
 

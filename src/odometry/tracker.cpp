@@ -10,6 +10,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/moved_cloud.hpp"
 #include "odometry/alignment_check.hpp"
+#include "odometry/given_ground.hpp"
 #include "odometry/join.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/relocation.hpp"
@@ -61,10 +62,9 @@ struct Tracker::State {
   // At the last trusted scan its position was not known along some axis, as in a tunnel: once it is lost
   // there is no place to come back to.
   bool open = false;
-  int quiet_scans_left = 0;                   // see kQuietScans
-  std::string map_fault;                      // to be told with the next scan
-  std::optional<Eigen::Vector3d> founded_at;  // see follow_given_map()
-  double founded_within = 0;                  // metres
+  int quiet_scans_left = 0;  // see kQuietScans
+  std::string map_fault;     // to be told with the next scan
+  GivenGround given_ground;
 
   Relocation relocation;
 
@@ -207,38 +207,8 @@ struct Tracker::State {
       keep(scan, attempt.health.share);
   }
 
-  /// Where a given map shows the ground around the robot, the local map is founded on it, anew as it moves
-  /// on.
-  void follow_given_map() {
-    const Eigen::Vector3d here = odometer->state().pose.translation();
-    if (founded_at && (*founded_at - here).norm() < founded_within) return;
-    const std::vector<ArchivedKeyframe>& archived = archive.keyframes();
-    const auto shows = [&](const ArchivedKeyframe& k) {
-      return (k.map_from_body.translation() - here).norm() < static_cast<double>(k.reach);
-    };
-    const auto own = archived.begin() + static_cast<std::ptrdiff_t>(archive.fixed());
-    if (std::none_of(archived.begin(), own, shows)) {
-      leave_given_map(here);
-      return;
-    }
-    founded_at = here;
-    founded_within = kSameSpot * archive.scene(here);
-    read_map([&] {
-      const double shown = odometer->found_on(archived, archive.fixed(), scale.current(0));
-      founded_within = std::max(founded_within, kSameSpot * shown);
-      odometer->set_drift(Matrix6::Zero());
-    });
-  }
-
-  /// What lies farther off than the sensor reaches does not hold the robot any more.
-  void leave_given_map(const Eigen::Vector3d& here) {
-    if (!founded_at || (*founded_at - here).norm() < config.max_range_m) return;
-    read_map([&] { odometer->found_on({}, 0, scale.current(0)); });
-    founded_at.reset();
-  }
-
   void keep(const PreparedScan& scan, double share) {
-    follow_given_map();
+    read_map([&] { given_ground.follow(archive, scale.current(0), odometer.get()); });
     odometer->keep(time.now(), scan, share);
     const Pose& here = odometer->state().pose;
     if (archive.wants(time.now(), here.translation(), scan.median_range))
@@ -311,7 +281,7 @@ struct Tracker::State {
          scan.median_range, &archive);
     if (relocation.map_of_several()) reload(attempt.alignment.moving.pose.translation());
     jumped = true;
-    founded_at.reset();
+    given_ground.forget();
     trust(scan, attempt);
     jump(predicted, odometer->state().pose);
     describe(attempt, found ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
@@ -567,7 +537,7 @@ void Tracker::correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, co
                       const Matrix6& drift, bool jumps) {
   State& s = *state_;
   s.archive.move(own_from_keyframe);
-  s.founded_at.reset();
+  s.given_ground.forget();
   s.map_from_own = map_from_own;
   s.odometer->set_drift(drift);
   if (jumps) ++s.epoch;

@@ -156,6 +156,37 @@ TEST_CASE("a map that is founded anew step by step is the one that is founded at
   CHECK(of_none.size() == 0);
 }
 
+TEST_CASE("given keyframes too far from the robot are forgotten, and their points where it saw none") {
+  LocalMapLimits limits;
+  limits.max_distance = 50;
+  const auto keyframe_at = [](float x) {
+    Keyframe result;
+    result.map_from_body.translation().x() = x;
+    add_row(0.1f, &result.points);
+    return result;
+  };
+  LocalMap map(limits);
+  std::vector<Keyframe> given{keyframe_at(0), keyframe_at(40)};
+  given[0].given = 1;
+  given[1].given = 2;
+  map.insert(keyframe_at(2), kVoxel);
+  map.found_on(given, kVoxel);
+  CHECK(map.is_founded());
+  double voxel = kVoxel;
+  const auto other_voxel = [&] { return voxel = voxel == kVoxel ? 0.99 * kVoxel : kVoxel; };
+  for (const float x : {45.0f, 51.0f, 89.0f}) {
+    map.insert(keyframe_at(x), other_voxel());  // then all points are indexed together
+    CAPTURE(x);
+    CHECK(points_at(0.1f, map) == (x < 50 ? 40 : 0));
+    CHECK(points_at(2.1f, map) == (x < 52 ? 40 : 0));
+    CHECK(points_at(40.1f, map) == 40);
+  }
+  map.insert(keyframe_at(95), other_voxel());
+  CHECK_FALSE(map.is_founded());
+  CHECK(points_at(40.1f, map) == 0);
+  CHECK(points_at(45.1f, map) == 40);
+}
+
 TEST_CASE("a map that is loaded is the one that was inserted") {
   LocalMapLimits limits;
   limits.max_keyframes = 3;
