@@ -40,7 +40,9 @@ bool is_same(const Keyframe& keyframe, std::uint32_t given, const Pose& map_from
 
 }  // namespace
 
-LocalMap::LocalMap(const LocalMapLimits& limits) : limits_(limits) {}
+LocalMap::LocalMap(const LocalMapLimits& limits) : limits_(limits) {
+  clear();  // the surfaces are those of cloud and tree from now on
+}
 
 void LocalMap::clear() {
   keyframes_.clear();
@@ -58,19 +60,24 @@ double LocalMap::insert(Keyframe keyframe, double voxel) {
   keyframe.id = next_id_++;
   keyframes_.push_back(std::move(keyframe));
   const bool rebuild = wants_rebuild(here, voxel);
+  bool other_grid = false;
   if (rebuild) {
     forget(here, limits_);
     const bool moves = (here - origin_).norm() > kOriginReach || keyframes_.size() == 1;
+    other_grid = moves || voxel != voxel_;
     // The voxels that given keyframes show are counted in one grid.
-    if ((moves || voxel != voxel_) && is_founded()) return load(taken_out(), voxel);
+    if (other_grid && is_founded()) return load(taken_out(), voxel);
     if (moves) move_origin(here);
-    note_voxels(voxel);
+    if (other_grid) note_voxels(voxel);
   }
   const std::size_t novel = add_novel_points(keyframes_.back());
-  if (rebuild) {
+  if (other_grid) {
     index_all();
   } else {
-    tree_.grow(cloud_);
+    if (rebuild)
+      tree_.rebuild(cloud_);
+    else
+      tree_.grow(cloud_);
     surfaces_.grow();
   }
   return share_of_points(novel, keyframes_.back());
@@ -97,7 +104,6 @@ double LocalMap::load(std::vector<Keyframe> keyframes, double voxel, std::size_t
   }
   const double share = share_of_points(novel, keyframes_.back());
   forget(here, limits);
-  note_voxels(voxel);
   index_all();
   return share;
 }
@@ -125,7 +131,6 @@ void LocalMap::found_on(std::vector<Keyframe> given, double voxel) {
     return;
   }
   forget(keyframes_.back().map_from_body.translation(), limits_);
-  note_voxels(voxel);
   index_all();
 }
 
@@ -167,8 +172,9 @@ void LocalMap::forget(const Eigen::Vector3d& here, const LocalMapLimits& limits)
   for (const Keyframe& k : keyframes_) kept.insert(k.id);
   // The cap counts points of the map; the oldest keyframes give way.
   for (std::size_t i = 0; i < cloud_.size(); ++i) points += shown_[i] > 0 || kept.count(last_seen_[i]) > 0;
-  std::size_t most = static_cast<std::size_t>(limits.max_points);
-  if (points > most) most -= most / kFreshShare;  // or each keyframe that follows would want a rebuild
+  // With room for as many fresh ones as a rebuild waits for.
+  auto most = static_cast<std::size_t>(limits.max_points);
+  most -= most / kFreshShare;
   for (; points > most && own > 1; --own) {
     const auto gone = oldest();
     points -= static_cast<std::size_t>(std::count(last_seen_.begin(), last_seen_.end(), gone->id));
@@ -182,16 +188,21 @@ void LocalMap::forget(const Eigen::Vector3d& here, const LocalMapLimits& limits)
 void LocalMap::forget_points() {
   std::unordered_set<std::uint32_t> kept;
   for (const Keyframe& k : keyframes_) kept.insert(k.id);
-  std::vector<std::uint32_t> stay, last_seen, shown;
+  std::vector<std::uint32_t> stay, last_seen, shown, now(cloud_.size(), VoxelIndex::kGone);
   for (std::uint32_t i = 0; i < cloud_.size(); ++i) {
     if (shown_[i] == 0 && !kept.count(last_seen_[i])) continue;
+    now[i] = static_cast<std::uint32_t>(stay.size());
     stay.push_back(i);
     last_seen.push_back(last_seen_[i]);
     shown.push_back(shown_[i]);
   }
+  surfaces_.grow();
+  surfaces_.select(stay);
   cloud_ = select(cloud_, stay);
   last_seen_ = std::move(last_seen);
   shown_ = std::move(shown);
+  taken_.renumber(now);
+  note_ground();
 }
 
 void LocalMap::move_origin(const Eigen::Vector3d& here) {
@@ -211,13 +222,17 @@ void LocalMap::move_origin(const Eigen::Vector3d& here) {
 void LocalMap::note_voxels(double voxel) {
   voxel_ = voxel;
   const float inverse_voxel = static_cast<float>(1.0 / voxel);
-  const auto inverse_cell = static_cast<float>(1.0 / (kSurfaceVoxels * voxel));
   taken_.clear();
-  ground_.clear();
-  for (std::uint32_t i = 0; i < cloud_.size(); ++i) {
+  for (std::uint32_t i = 0; i < cloud_.size(); ++i)
     taken_.insert(voxel_key(cloud_.point(i), inverse_voxel), i);
+  note_ground();
+}
+
+void LocalMap::note_ground() {
+  const auto inverse_cell = static_cast<float>(1.0 / (kSurfaceVoxels * voxel_));
+  ground_.clear();
+  for (std::uint32_t i = 0; i < cloud_.size(); ++i)
     ground_.insert(voxel_key(cloud_.point(i), inverse_cell), last_seen_[i]);
-  }
 }
 
 template <typename Visit>

@@ -80,6 +80,7 @@ class LocalMap {
   void forget(const Eigen::Vector3d& here, const LocalMapLimits& limits);
   void move_origin(const Eigen::Vector3d& here);
   void note_voxels(double voxel);
+  void note_ground();
   void index_all();
   std::size_t add_novel_points(const Keyframe& keyframe);
   template <typename Out>

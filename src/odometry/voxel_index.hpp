@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,10 +14,11 @@ namespace scanlock {
 /// keyframe.
 class VoxelIndex {
  public:
-  VoxelIndex() { clear(); }
+  VoxelIndex() : slots_(kFirstSlots) {}
 
+  /// Its slots stay, for about as many voxels again.
   void clear() {
-    slots_.assign(kFirstSlots, {});
+    std::fill(slots_.begin(), slots_.end(), Slot{});
     used_ = 0;
   }
 
@@ -27,6 +29,16 @@ class VoxelIndex {
     slot = {key, point};
     if (++used_ * 2 > slots_.size()) grow();
     return point;
+  }
+  /// What stood for point i stands for point now[i] from now on, or for none where that is kGone.
+  static constexpr std::uint32_t kGone = ~0U;
+  void renumber(const std::vector<std::uint32_t>& now) {
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      while (slots_[i].key != Slot().key && now[slots_[i].point] == kGone) erase(i);
+    }
+    for (Slot& slot : slots_) {
+      if (slot.key != Slot().key) slot.point = now[slot.point];
+    }
   }
   std::optional<std::uint32_t> at(std::uint64_t key) const {
     const Slot& slot = slots_[find(key)];
@@ -40,15 +52,30 @@ class VoxelIndex {
   };
   static constexpr std::size_t kFirstSlots = 1u << 14;
 
+  std::size_t mask() const { return slots_.size() - 1; }
+  std::size_t home(std::uint64_t key) const {
+    return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 32) & mask();
+  }
   std::size_t find(std::uint64_t key) const {
-    const std::size_t mask = slots_.size() - 1;
-    std::size_t at = static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 32) & mask;
-    while (slots_[at].key != Slot().key && slots_[at].key != key) at = (at + 1) & mask;
+    std::size_t at = home(key);
+    while (slots_[at].key != Slot().key && slots_[at].key != key) at = (at + 1) & mask();
     return at;
   }
 
+  /// Fills the hole with the next slot of its run that may be there, and so on.
+  void erase(std::size_t hole) {
+    for (std::size_t i = (hole + 1) & mask(); slots_[i].key != Slot().key; i = (i + 1) & mask()) {
+      const bool is_before_home = ((i - home(slots_[i].key)) & mask()) < ((i - hole) & mask());
+      if (is_before_home) continue;
+      slots_[hole] = slots_[i];
+      hole = i;
+    }
+    slots_[hole] = {};
+    --used_;
+  }
+
   void grow() {
-    std::vector<Slot> old(slots_.size() * 4);
+    std::vector<Slot> old(slots_.size() * 2);
     old.swap(slots_);
     for (const Slot& slot : old) {
       if (slot.key != Slot().key) slots_[find(slot.key)] = slot;
