@@ -53,8 +53,10 @@ Matches CloudPair::matches(int lambda) {
 }
 
 /// The pose that all matches near it crowd about. They count less the farther off they are (Welsch's
-/// weights), for what is within epsilon by chance is anywhere there.
-Pose CloudPair::middle_pose(Pose pose) {
+/// weights), for what is within epsilon by chance is anywhere there. Keeps the start when they would carry
+/// the pose away from it: those are the matches of another pose.
+Pose CloudPair::middle_pose(const Pose& start) {
+  Pose pose = start;
   const Eigen::Matrix3d level = level_rotation(pose.linear().col(2));
   for (int round = 0; round < kCrowdRounds; ++round) {
     const double scale = std::max(kCrowd, 1.0 - kCrowd * round) * epsilon_;
@@ -68,6 +70,7 @@ Pose CloudPair::middle_pose(Pose pose) {
     }
     if (near < kFewestMatches) break;
     pose = level.transpose() * level_fit(sums);
+    if (separation(pose, start) >= 1) return start;
   }
   return pose;
 }

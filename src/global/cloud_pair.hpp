@@ -52,7 +52,7 @@ class CloudPair {
 
  private:
   const std::vector<SurfaceMatch>& all_matches();
-  Pose middle_pose(Pose pose);
+  Pose middle_pose(const Pose& start);
   Pose surface_pose(const Pose& pose);
   Pose refined(const Pose& start, std::uint32_t* degenerate_axes);
   void index_clouds();
