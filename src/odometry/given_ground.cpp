@@ -8,13 +8,16 @@ namespace scanlock {
 
 void GivenGround::follow(const KeyframeArchive& archive, double voxel, Odometer* odometer) {
   const Eigen::Vector3d here = odometer->state().pose.translation();
-  if (odometer->map().is_founded() && (at_ - here).norm() < within_) return;
+  if ((at_ - here).norm() < within_) return;
   const std::vector<ArchivedKeyframe>& archived = archive.keyframes();
   const auto own = archived.begin() + static_cast<std::ptrdiff_t>(archive.fixed());
   const bool shown = std::any_of(archived.begin(), own, [&](const ArchivedKeyframe& k) {
     return (k.map_from_body.translation() - here).norm() < static_cast<double>(k.reach);
   });
-  if (!shown) return;
+  if (!shown) {
+    if (!odometer->map().is_founded()) forget();  // all of it was out of range: coming back is new
+    return;
+  }
   at_ = here;
   within_ = kSameSpot * archive.scene(here);  // also where the points cannot be read: not tried at each scan
   const double farthest = odometer->found_on(archived, archive.fixed(), voxel);

@@ -102,10 +102,9 @@ double LocalMap::load(std::vector<Keyframe> keyframes, double voxel, std::size_t
     limits.max_points *= static_cast<int>(places);
     limits.max_distance = std::numeric_limits<double>::infinity();
   }
-  const double share = share_of_points(novel, keyframes_.back());
   forget(here, limits);
   index_all();
-  return share;
+  return share_of_points(novel, keyframes_.back());
 }
 
 bool LocalMap::has(std::uint32_t given, const Pose& map_from_body) const {
