@@ -19,7 +19,7 @@ ArchivedKeyframe keyframe_at(double x) {
   return keyframe;
 }
 
-constexpr double kVoxel = 0.5;  // metres
+constexpr double kVoxelSide = 0.5;  // metres
 
 }  // namespace
 
@@ -29,10 +29,10 @@ TEST_CASE("the local map is founded on a given map where that shows the ground")
   Odometer odometer{TrackerConfig{}};
   GivenGround ground;
   odometer.set_pose(Pose(Eigen::Translation3d(50, 0, 0)));
-  ground.follow(archive, kVoxel, &odometer);
+  ground.follow(archive, kVoxelSide, &odometer);
   CHECK_FALSE(odometer.map().is_founded());
   odometer.set_pose(Pose::Identity());
-  ground.follow(archive, kVoxel, &odometer);
+  ground.follow(archive, kVoxelSide, &odometer);
   CHECK(odometer.map().is_founded());
   CHECK(odometer.map().keyframes().size() == 2);
 }
@@ -45,12 +45,12 @@ TEST_CASE(
   archive.restore({lost}, true);
   Odometer odometer{TrackerConfig{}};
   GivenGround ground;
-  CHECK_THROWS_AS(ground.follow(archive, kVoxel, &odometer), PointsUnreadable);
-  CHECK_NOTHROW(ground.follow(archive, kVoxel, &odometer));
+  CHECK_THROWS_AS(ground.follow(archive, kVoxelSide, &odometer), PointsUnreadable);
+  CHECK_NOTHROW(ground.follow(archive, kVoxelSide, &odometer));
   odometer.set_pose(Pose(Eigen::Translation3d(4, 0, 0)));
-  CHECK_THROWS_AS(ground.follow(archive, kVoxel, &odometer), PointsUnreadable);
+  CHECK_THROWS_AS(ground.follow(archive, kVoxelSide, &odometer), PointsUnreadable);
   ground.forget();
-  CHECK_THROWS_AS(ground.follow(archive, kVoxel, &odometer), PointsUnreadable);
+  CHECK_THROWS_AS(ground.follow(archive, kVoxelSide, &odometer), PointsUnreadable);
 }
 
 }  // namespace scanlock
