@@ -25,9 +25,6 @@ constexpr float kUnsure = 0.125f / 3.4641f;
 // Weight of a plane whose points spread half as far across as along. A cap on cost: a wider look at those of
 // more weight changes the errors little and takes a tenth to a third more time.
 constexpr float kMostlyALine = 0.25f;
-// Of the radius: where all neighbours are within it there are about as many as voxels, and more points change
-// little. A cap on cost: such fits are not made again.
-constexpr float kDenseReach = 0.6f;
 constexpr float kGrazing = 0.1f;  // sine of the angle of incidence below which a plane is doubted
 
 /// How neighbours lie about their centroid, in the first kAxes of x, y and z.
@@ -167,45 +164,31 @@ void LocalSurfaces::reset(const PointCloud& cloud, const KdForest& tree, float r
   radius_ = radius;
   walls_ = walls;
   surfaces_.assign(cloud.size(), Surface{});
-  fits_.assign(cloud.size(), Fit::kNone);
+  fitted_.assign(cloud.size(), 0);
 }
 
 void LocalSurfaces::grow() {
   surfaces_.resize(cloud_->size());
-  fits_.resize(cloud_->size(), Fit::kNone);
-}
-
-void LocalSurfaces::select(const std::vector<std::uint32_t>& points) {
-  for (std::size_t i = 0; i < points.size(); ++i) {  // never before one that is still to be read
-    const std::uint32_t from = points[i];
-    fits_[i] = fits_[from] == Fit::kDense ? Fit::kDense : Fit::kNone;
-    surfaces_[i] = surfaces_[from];
-  }
-  surfaces_.resize(points.size());
-  fits_.resize(points.size());
+  fitted_.resize(cloud_->size(), 0);
 }
 
 void LocalSurfaces::prepare(const std::vector<std::int32_t>& indices, int threads) {
   missing_.clear();
   for (std::int32_t index : indices) {
-    if (index < 0 || fits_[static_cast<std::size_t>(index)] != Fit::kNone) continue;
-    fits_[static_cast<std::size_t>(index)] = Fit::kSparse;
+    if (index < 0 || fitted_[static_cast<std::size_t>(index)]) continue;
+    fitted_[static_cast<std::size_t>(index)] = 1;
     missing_.push_back(index);
   }
   for_each_chunk(missing_.size(), 64, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto at = static_cast<std::size_t>(missing_[i]);
-      surfaces_[at] = fit(missing_[i], &fits_[at]);
-    }
+    for (std::size_t i = begin; i < end; ++i)
+      surfaces_[static_cast<std::size_t>(missing_[i])] = fit(missing_[i]);
   });
 }
 
-Surface LocalSurfaces::fit(std::int32_t index, Fit* kind) const {
+Surface LocalSurfaces::fit(std::int32_t index) const {
   const auto at = static_cast<std::size_t>(index);
   std::array<Neighbour, kNeighbours> near;
   const int count = tree_->k_nearest(cloud_->point(at), kNeighbours, near.data(), radius_);
-  const float dense = kDenseReach * radius_;
-  if (count == kNeighbours && near[kNeighbours - 1].squared_distance < dense * dense) *kind = Fit::kDense;
   Surface surface =
       walls_ ? fit_wall(*cloud_, near.data(), count) : fit_plane_or_line(at, near.data(), count);
   if (cloud_->has_eyes() && !surface.line) surface.weight *= edge_on_weight(surface, cloud_->eyes[at]);

@@ -46,8 +46,6 @@ class LocalSurfaces {
 
   /// The cloud has grown at its end; the fits of what was there stay.
   void grow();
-  /// These points of the cloud are left, in this order, and their fits where more points would change little.
-  void select(const std::vector<std::uint32_t>& points);
 
   /// Fits what is missing among the points at `indices` (negative ones are skipped). The result does not
   /// depend on `threads`.
@@ -57,10 +55,7 @@ class LocalSurfaces {
   const Surface& at(std::int32_t index) const { return surfaces_[static_cast<std::size_t>(index)]; }
 
  private:
-  /// Dense: more points of the map would change it little.
-  enum class Fit : std::uint8_t { kNone, kSparse, kDense };
-
-  Surface fit(std::int32_t index, Fit* kind) const;
+  Surface fit(std::int32_t index) const;
   /// What is rather a line than a plane is one if it stands upright (z): trunks and poles, which are all that
   /// fixes a heading in a forest. Lines across are left alone, for they are the rings of the sensor and no
   /// part of the scene.
@@ -71,7 +66,7 @@ class LocalSurfaces {
   float radius_ = 0;
   bool walls_ = false;
   std::vector<Surface> surfaces_;
-  std::vector<Fit> fits_;
+  std::vector<std::uint8_t> fitted_;
   std::vector<std::int32_t> missing_;
 };
 

@@ -40,9 +40,7 @@ bool is_same(const Keyframe& keyframe, std::uint32_t given, const Pose& map_from
 
 }  // namespace
 
-LocalMap::LocalMap(const LocalMapLimits& limits) : limits_(limits) {
-  clear();  // the surfaces are those of cloud and tree from now on
-}
+LocalMap::LocalMap(const LocalMapLimits& limits) : limits_(limits) {}
 
 void LocalMap::clear() {
   keyframes_.clear();
@@ -60,24 +58,20 @@ double LocalMap::insert(Keyframe keyframe, double voxel) {
   keyframe.id = next_id_++;
   keyframes_.push_back(std::move(keyframe));
   const bool rebuild = wants_rebuild(here, voxel);
-  bool other_grid = false;
   if (rebuild) {
     forget(here, limits_);
     const bool moves = (here - origin_).norm() > kOriginReach || keyframes_.size() == 1;
-    other_grid = moves || voxel != voxel_;
+    const bool other_grid = moves || voxel != voxel_;
     // The voxels that given keyframes show are counted in one grid.
     if (other_grid && is_founded()) return load(taken_out(), voxel);
     if (moves) move_origin(here);
     if (other_grid) note_voxels(voxel);
   }
   const std::size_t novel = add_novel_points(keyframes_.back());
-  if (other_grid) {
+  if (rebuild) {
     index_all();
   } else {
-    if (rebuild)
-      tree_.rebuild(cloud_);
-    else
-      tree_.grow(cloud_);
+    tree_.grow(cloud_);
     surfaces_.grow();
   }
   return share_of_points(novel, keyframes_.back());
@@ -195,8 +189,6 @@ void LocalMap::forget_points() {
     last_seen.push_back(last_seen_[i]);
     shown.push_back(shown_[i]);
   }
-  surfaces_.grow();
-  surfaces_.select(stay);
   cloud_ = select(cloud_, stay);
   last_seen_ = std::move(last_seen);
   shown_ = std::move(shown);

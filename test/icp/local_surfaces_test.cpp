@@ -8,8 +8,6 @@
 #include <cmath>
 #include <random>
 
-#include "geometry/voxel_grid.hpp"
-
 using namespace scanlock;
 
 namespace {
@@ -40,32 +38,6 @@ Surface surface_at(const PointCloud& cloud, std::int32_t index, float radius) {
 }
 
 }  // namespace
-
-TEST_CASE(
-    "fits stay with their points where the neighbourhood is dense, and are made again where it is not") {
-  PointCloud cloud;
-  for (int i = 0; i < 400; ++i)  // a dense floor, and a sparse one beside it
-    cloud.push_back(0.25f * static_cast<float>(i % 20), 0.25f * static_cast<float>(i / 20), 0);
-  for (int i = 0; i < 100; ++i)
-    cloud.push_back(10 + 0.5f * static_cast<float>(i % 10), 0.5f * static_cast<float>(i / 10), 0);
-  KdForest tree;
-  tree.rebuild(cloud);
-  LocalSurfaces surfaces;
-  surfaces.reset(cloud, tree, 1);
-  const std::int32_t dense = 210, sparse = 455;
-  surfaces.prepare({dense, sparse}, 1);
-  std::vector<std::uint32_t> stay;
-  for (std::uint32_t i = 5; i < cloud.size(); ++i) stay.push_back(i);
-  surfaces.select(stay);
-  cloud = select(cloud, stay);
-  for (float& z : cloud.z) z = 3;  // no fit but a new one sees it
-  tree.rebuild(cloud);
-  surfaces.grow();
-  surfaces.prepare({dense - 5, sparse - 5}, 1);
-  CHECK(surfaces.at(dense - 5).centre.z() == 0);
-  CHECK(surfaces.at(dense - 5).centre.head<2>().isApprox(cloud.point(dense - 5).head<2>(), 0.1f));
-  CHECK(surfaces.at(sparse - 5).centre.z() == 3);
-}
 
 TEST_CASE("a trunk is an upright line and a log is none") {
   const Surface line = surface_at(trunk(0.1, 0.3, true), 22, 2);
