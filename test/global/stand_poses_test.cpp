@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/angles.hpp"
 #include "geometry/moved_cloud.hpp"
 
 namespace scanlock {
@@ -89,6 +90,32 @@ TEST_CASE("a sensor is looked for where others stood, turned as the surfaces are
       return near(pose, truth, 2 * kVoxel * std::sqrt(0.5) + 1e-6, 0.06);
     }));
     for (const Pose& pose : poses) CHECK((pose.linear().col(2) - Eigen::Vector3d::UnitZ()).norm() < 1e-12);
+  }
+}
+
+TEST_CASE("among trunks, which look all ways, a sensor is looked for in every heading") {
+  PointCloud wood;
+  for (int trunk = 0; trunk < 12; ++trunk) {
+    const Eigen::Vector3f foot(static_cast<float>(trunk % 4) * 3.1f, static_cast<float>(trunk / 4) * 3.7f, 1);
+    for (int k = 0; k < 144; ++k) {
+      const float turn = static_cast<float>(k) * static_cast<float>(2 * kPi) / 144;
+      const Eigen::Vector3f normal(std::cos(turn), std::sin(turn), 0);
+      wood.push_back(foot + 0.2f * normal);
+      wood.nx.push_back(normal.x());
+      wood.ny.push_back(normal.y());
+      wood.nz.push_back(0);
+      wood.eyes.push_back(kStand.cast<float>());
+    }
+  }
+  for (const double yaw : {0.3, 1.4, -2.2}) {
+    CAPTURE(yaw);
+    Pose truth = Pose::Identity();
+    truth.linear() = so3_exp(Eigen::Vector3d(0, 0, yaw));
+    truth.translation() = kStand;
+    const std::vector<Pose> poses = poses_of(moved(wood, truth.inverse()), wood);
+    CHECK(std::any_of(poses.begin(), poses.end(), [&](const Pose& pose) {
+      return near(pose, truth, 2 * kVoxel * std::sqrt(0.5) + 1e-6, 0.06);
+    }));
   }
 }
 
