@@ -81,7 +81,8 @@ Pose CloudPair::surface_pose(const Pose& pose) {
   return fit_surfaces(all_matches(), pose, centre_, epsilon_);
 }
 
-/// Keeps the start when the clouds would carry the pose away from it: that is no refinement.
+/// Where the clouds carry the pose away from the start, that is another pose: with `judged` no refinement,
+/// else what the clouds fit better there, as where the body stands on another slope.
 Pose CloudPair::refined(const Pose& start, std::uint32_t* degenerate_axes) {
   if (!index_) {
     index_.emplace(target_.points);
@@ -96,7 +97,8 @@ Pose CloudPair::refined(const Pose& start, std::uint32_t* degenerate_axes) {
     const CloudAlignment aligned =
         align_clouds(points, *index_, start, *find_cloud_method(method), alignment);
     *degenerate_axes = aligned.degenerate_axes;
-    if (separation(aligned.target_from_source, start) < 1) return aligned.target_from_source;
+    const Pose& pose = aligned.target_from_source;
+    if (separation(pose, start) < 1 || (!judged_ && score(fit(pose)) > score(fit(start)))) return pose;
   }
   return start;
 }
