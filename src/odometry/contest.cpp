@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -47,7 +48,7 @@ bool is_open(const Attempt& attempt) {
 
 }  // namespace
 
-Contest::Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evidence) {
+Contest::Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evidence, bool all_there) {
   for (const Pose& pose : map_from_predicted) {
     places_.emplace_back();
     places_.back().map_from_predicted = pose;
@@ -56,12 +57,13 @@ Contest::Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evid
   }
   Place& favourite = places_.front();
   favourite.sound = evidence >= PlaceEvidence::kSound;
+  favourite.all_there = all_there;
   if (favourite.sound) favourite.least_share = favourite.winners_share = kSoundShare;
   if (evidence == PlaceEvidence::kSure) favourite.least_share = favourite.winners_share = kKnownShare;
 }
 
 Contest::Contest(const Pose& map_from_predicted, int wins)
-    : Contest(std::vector<Pose>{map_from_predicted}, PlaceEvidence::kSome) {
+    : Contest(std::vector<Pose>{map_from_predicted}, PlaceEvidence::kSome, false) {
   places_.front().winners_share = kUsualShare;
   places_.front().tried = wins > 0;
   wins_ = wins;
@@ -137,8 +139,9 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
   };
   const auto fits = [&](const Attempt& attempt) {
     // What the robot has seen on its way explains the scan, too: a place that does so much worse is another,
-    // unless the clouds say that it is not. A map of another sensor explains scans less well.
-    return explains(attempt, kCalmScore) &&
+    // unless the clouds say that it is not. A map of another sensor or day explains scans less well, which
+    // says nothing against a place where nearly all is there.
+    return explains(attempt, place.all_there ? std::numeric_limits<double>::infinity() : kCalmScore) &&
            (expected_ || place.sound ||
             attempt.health.energy <= kHopeless * attempt.health.baseline + kAtLeast) &&
            attempt.health.share >= place.least_share * usual(attempt) &&

@@ -22,8 +22,9 @@ class Contest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
-  /// Corrections of predicted poses, the best first, and the evidence for that one.
-  Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evidence);
+  /// Corrections of predicted poses, the best first, and the evidence for that one. `all_there`: see
+  /// RecoveryAnswer.
+  Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evidence, bool all_there);
   /// A single hypothesis at which the robot is expected, without a search. `wins`: scans that it has
   /// explained already.
   Contest(const Pose& map_from_predicted, int wins);
@@ -50,6 +51,7 @@ class Contest {
     double least_share = 0, winners_share = 0;  ///< of the usual share of inliers, to fit, and to win
     int missed = 0;
     bool sound = false;       ///< nearly all that was seen is there, and nothing contradicts (PlaceEvidence)
+    bool all_there = false;   ///< see RecoveryAnswer
     bool standing = false;    ///< see note_standing()
     bool fits = false;        ///< the last scan
     bool could_win = false;   ///< by it

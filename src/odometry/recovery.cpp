@@ -142,8 +142,8 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   answer.certified = found.solution.certified;
   if (answer.certified && found.verdict != GlobalVerdict::kNoOverlap) answer.verdict = PlaceVerdict::kFound;
   if (found.fit.overlap < kLittleOverlap) answer.evidence = PlaceEvidence::kLittle;
-  if (found.fit.overlap >= kSoundOverlap && found.fit.contradiction <= kSoundContradiction)
-    answer.evidence = PlaceEvidence::kSound;
+  answer.all_there = found.fit.overlap >= kSoundOverlap && found.fit.contradiction <= kSoundContradiction;
+  if (answer.all_there) answer.evidence = PlaceEvidence::kSound;
   if (found.verdict == GlobalVerdict::kCertain) answer.evidence = PlaceEvidence::kClear;
   const auto correction = [&](const Pose& target_from_source) -> Pose {
     return to_level.inverse() * target_from_source * to_stand;

@@ -96,6 +96,7 @@ struct RecoveryAnswer {
   bool certified = false;
   PlaceEvidence evidence = PlaceEvidence::kSome;
   double contradiction = 0;  ///< see CloudFit; of the likeliest place
+  bool all_there = false;    ///< nearly all that was seen is there, and nothing contradicts
   std::string reason;
   std::string map_fault;  ///< see TrackedScan; nothing was found then
   std::int64_t nodes = 0;

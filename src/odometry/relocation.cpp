@@ -224,7 +224,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     return;
   }
   cover(places, archive, voxel, odometer);
-  Contest contest(places, sound && witnesses >= kSureWitnesses ? PlaceEvidence::kSure : answer.evidence);
+  const bool sure = sound && witnesses >= kSureWitnesses;
+  Contest contest(places, sure ? PlaceEvidence::kSure : answer.evidence, answer.all_there);
   for (const Pose& standing : answer.standing) contest.note_standing(standing, *excursion_);
   candidate_ = Candidate{std::move(contest), std::move(answer)};
 }
