@@ -286,12 +286,15 @@ CloudRegistration Registrar::propose() {
                    [](const auto& a, const auto& b) { return score(a.fit) > score(b.fit); });
   const Hypothesis& best = hypotheses_.front();
   settle_on(best);
+  bool alone = best.fit.overlap >= kSomeOverlap && score(best.fit) > 0;
   for (const Hypothesis& h : hypotheses_) {
-    if (&h != &best && h.fit.contradiction <= kImpossible && score(h.fit) > score(best.fit) - kOutOfQuestion)
-      result_.rivals.push_back(h.refined);
+    if (&h == &best || score(h.fit) <= score(best.fit) - kOutOfQuestion) continue;
+    alone = alone && h.fit.overlap < kSomeOverlap;
+    if (h.fit.contradiction <= kImpossible) result_.rivals.push_back(h.refined);
   }
   result_.why = numbers();
-  if (best.fit.contradiction > kImpossible) {
+  // What moved since, or moves, contradicts the right place, too; then no other one is nearly as good.
+  if (best.fit.contradiction > kImpossible && !alone) {
     result_.why = "the clouds contradict every pose: " + result_.why;
     return result_;
   }
