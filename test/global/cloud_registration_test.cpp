@@ -152,6 +152,52 @@ TEST_CASE("all places that look alike are proposed") {
   }
 }
 
+TEST_CASE("what moved since does not rule out the right place, unless another one is nearly as good") {
+  // Eight boards in a ring, which hide what is behind them.
+  const auto with_boards = [](const PointCloud& cloud, double turn) {
+    PointCloud result;
+    const auto bearing = [&](int board) { return turn + kPi / 4 * board; };
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const Eigen::Vector3f p = cloud.point(i);
+      bool hidden = false;
+      for (int board = 0; board < 8; ++board) {
+        const Eigen::Vector3f q =
+            Eigen::AngleAxisf(static_cast<float>(-bearing(board)), Eigen::Vector3f::UnitZ()) * p;
+        hidden = hidden || (q.x() > 9 && std::abs(q.y() * 9 / q.x()) < 2 && q.z() * 9 / q.x() < 0.6f);
+      }
+      if (!hidden) result.push_back(p);
+    }
+    for (int board = 0; board < 8; ++board) {
+      for (int k = 0; k < 2080; ++k) {
+        const Eigen::Vector3d p(9, 0.1 * (k % 40) - 2, 0.05 * (k / 40) - 2);
+        result.push_back((Eigen::AngleAxisd(bearing(board), Eigen::Vector3d::UnitZ()) * p).cast<float>());
+      }
+    }
+    result.eyes.resize(result.size(), Eigen::Vector3f::Zero());
+    return result;
+  };
+  DescriptionOptions description;
+  description.voxel = 0.5;
+  CloudRegistrationOptions options;
+  options.judged = false;
+  options.tilt = 0.01;
+  const CloudDescription seen = describe(with_boards(yard(5, 6), 0), description);
+  const PointCloud place = with_boards(yard(5, 7), kPi / 8);
+  const CloudRegistration alone = register_clouds(seen, describe(place, description), options);
+  CHECK(alone.fit.contradiction > 0.03);
+  CHECK(alone.verdict != GlobalVerdict::kNoOverlap);
+  CHECK(near(alone.target_from_source, Pose::Identity(), 0.1, 0.01));
+
+  PointCloud twins = place;
+  const PointCloud other = moved(place, level_pose(1, 80, 0, 0));
+  for (std::size_t i = 0; i < other.size(); ++i) twins.push_back(other.point(i));
+  twins.eyes.insert(twins.eyes.end(), other.eyes.begin(), other.eyes.end());
+  const CloudRegistration twice = register_clouds(seen, describe(twins, description), options);
+  CHECK(twice.fit.contradiction > 0.03);
+  CHECK(twice.verdict == GlobalVerdict::kNoOverlap);
+  CHECK(twice.why.find("contradict every pose") != std::string::npos);
+}
+
 TEST_CASE(
     "that no pose has enough matches is said of all that were drawn, and only claimed where it is proven") {
   DescriptionOptions description;
