@@ -21,7 +21,7 @@ namespace {
 constexpr double kStep = 2;            // voxels between two stands: a glance sees that far
 constexpr std::size_t kHeadings = 72;  // bins
 constexpr std::size_t kMostTurns = 8;
-// Of the mean agreement: a best one below tells no heading. It is 1.00 to 1.01 in woods, 1.6 and more in
+// Of the mean agreement: a best one below tells no heading. It is 1.00 to 1.01 in woods, 1.3 and more in
 // streets, rooms, car parks and on meadows.
 constexpr double kAlike = 1.25;
 // Of all, in every attitude, a cap on their time: a tenth of a second of glimpses. More places are farther
