@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
+#include "global/hypothesis.hpp"
 
 namespace scanlock {
 namespace {
@@ -189,7 +190,9 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
                       Odometer& odometer) {
   const bool found = answer.verdict == PlaceVerdict::kFound;
   const bool little = answer.evidence == PlaceEvidence::kLittle;
-  if (!search_.take(answer.serial, found, little, answer.cost_s) || !lost_ || !excursion_) return;
+  // What something contradicts may be right, and does not keep the search from looking elsewhere.
+  const bool enough_found = found && answer.contradiction <= kClearContradiction;
+  if (!search_.take(answer.serial, enough_found, little, answer.cost_s) || !lost_ || !excursion_) return;
   nothing_found_ = !found;
   if (!found) {
     if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
