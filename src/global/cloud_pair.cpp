@@ -82,8 +82,8 @@ Pose CloudPair::surface_pose(const Pose& pose) {
 }
 
 /// Where the clouds carry the pose away from the start, that is another pose: with `judged` no refinement,
-/// else what the clouds fit better there, as where the body stands on another slope.
-Pose CloudPair::refined(const Pose& start, std::uint32_t* degenerate_axes) {
+/// else one if they fit better there than `at_start`, as where the body stands on another slope.
+Pose CloudPair::refined(const Pose& start, const CloudFit& at_start, std::uint32_t* degenerate_axes) {
   if (!index_) {
     index_.emplace(target_.points);
     index_->prepare_normals();
@@ -98,7 +98,7 @@ Pose CloudPair::refined(const Pose& start, std::uint32_t* degenerate_axes) {
         align_clouds(points, *index_, start, *find_cloud_method(method), alignment);
     *degenerate_axes = aligned.degenerate_axes;
     const Pose& pose = aligned.target_from_source;
-    if (separation(pose, start) < 1 || (!judged_ && score(fit(pose)) > score(fit(start)))) return pose;
+    if (separation(pose, start) < 1 || (!judged_ && score(fit(pose)) > score(at_start))) return pose;
   }
   return start;
 }
@@ -136,9 +136,9 @@ CloudFit CloudPair::fit(const Pose& pose) const {
 
 void CloudPair::compare_clouds(bool first, Hypothesis* hypothesis) {
   index_clouds();
-  if (!first) hypothesis->fit = fit(hypothesis->start);
+  if (!first || !judged_) hypothesis->fit = fit(hypothesis->start);
   if (!first && hypothesis->fit.contradiction >= kHopeless) return;
-  hypothesis->refined = refined(hypothesis->start, &hypothesis->degenerate_axes);
+  hypothesis->refined = refined(hypothesis->start, hypothesis->fit, &hypothesis->degenerate_axes);
   hypothesis->fit = fit(hypothesis->refined);
   // Where surfaces leave a slide open, the clouds know more of it than the first matches did.
   if (judged_)

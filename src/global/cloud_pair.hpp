@@ -54,7 +54,7 @@ class CloudPair {
   const std::vector<SurfaceMatch>& all_matches();
   Pose middle_pose(const Pose& start);
   Pose surface_pose(const Pose& pose);
-  Pose refined(const Pose& start, std::uint32_t* degenerate_axes);
+  Pose refined(const Pose& start, const CloudFit& at_start, std::uint32_t* degenerate_axes);
   void index_clouds();
   CloudFit fit(const Pose& target_from_source) const;  ///< of the indexed clouds
   void compare_clouds(bool first, Hypothesis* hypothesis);

@@ -49,6 +49,12 @@ std::vector<double> likely_turns(const Headings& source, const Headings& target)
   for (std::size_t turn = 0; turn < kHeadings; ++turn) {
     for (std::size_t i = 0; i < kHeadings; ++i) agreement[turn] += source[i] * target[(i + turn) % kHeadings];
   }
+  std::vector<double> turns;
+  const double mean = std::accumulate(agreement.begin(), agreement.end(), 0.0) / kHeadings;
+  if (*std::max_element(agreement.begin(), agreement.end()) < kAlike * mean) {
+    for (std::size_t k = 0; k < kHeadings; ++k) turns.push_back(2 * kPi * static_cast<double>(k) / kHeadings);
+    return turns;
+  }
   std::vector<std::size_t> peaks;
   for (std::size_t k = 0; k < kHeadings; ++k) {
     if (agreement[k] >= agreement[(k + 1) % kHeadings] &&
@@ -58,12 +64,6 @@ std::vector<double> likely_turns(const Headings& source, const Headings& target)
   std::stable_sort(peaks.begin(), peaks.end(),
                    [&](std::size_t a, std::size_t b) { return agreement[a] > agreement[b]; });
   peaks.resize(std::min(peaks.size(), kMostTurns));
-  std::vector<double> turns;
-  const double mean = std::accumulate(agreement.begin(), agreement.end(), 0.0) / kHeadings;
-  if (*std::max_element(agreement.begin(), agreement.end()) < kAlike * mean) {
-    for (std::size_t k = 0; k < kHeadings; ++k) turns.push_back(2 * kPi * static_cast<double>(k) / kHeadings);
-    return turns;
-  }
   for (std::size_t k : peaks) {
     // The top of the parabola through the bin and its neighbours.
     const double before = agreement[(k + kHeadings - 1) % kHeadings], after = agreement[(k + 1) % kHeadings];

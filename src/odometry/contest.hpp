@@ -50,7 +50,7 @@ class Contest {
     Pose map_from_predicted;
     double least_share = 0, winners_share = 0;  ///< of the usual share of inliers, to fit, and to win
     int missed = 0;
-    bool sound = false;       ///< nearly all that was seen is there, and nothing contradicts (PlaceEvidence)
+    bool sound = false;       ///< the search leaves little doubt: PlaceEvidence::kSound or more
     bool all_there = false;   ///< see RecoveryAnswer
     bool standing = false;    ///< see note_standing()
     bool fits = false;        ///< the last scan

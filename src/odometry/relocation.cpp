@@ -191,8 +191,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   const bool found = answer.verdict == PlaceVerdict::kFound;
   const bool little = answer.evidence == PlaceEvidence::kLittle;
   // What something contradicts may be right, and does not keep the search from looking elsewhere.
-  const bool enough_found = found && answer.contradiction <= kClearContradiction;
-  if (!search_.take(answer.serial, enough_found, little, answer.cost_s) || !lost_ || !excursion_) return;
+  const bool undisputed = found && answer.contradiction <= kClearContradiction;
+  if (!search_.take(answer.serial, undisputed, little, answer.cost_s) || !lost_ || !excursion_) return;
   nothing_found_ = !found;
   if (!found) {
     if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
