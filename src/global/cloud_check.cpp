@@ -12,7 +12,7 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kSamples = 2500, kFewSteep = 100;
+constexpr std::size_t kSamples = 2500;
 constexpr float kNear = 1.5f;  // voxels: a surface sampled a point a voxel has one so near
 constexpr float kOn = 0.5f;    // voxels from its plane
 
@@ -60,24 +60,29 @@ CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck&
   const Eigen::Matrix3f rotation = to_from_from.linear().cast<float>();
   const Eigen::Vector3f translation = to_from_from.translation().cast<float>();
   OneWay result;
-  std::size_t on = 0, through = 0;
+  std::size_t on = 0, through = 0, steep = 0;
   for (std::size_t k = 0; k < from.samples_.size(); ++k) {
     const std::uint32_t i = from.samples_[k];
     const Eigen::Vector3f p = rotation * from.cloud_.point(i) + translation;
     const Neighbour nearest = to.tree_.nearest(p, kNear * to.voxel_);
     if (nearest.index < 0) {
-      through += to.contradicts(from, k, p, rotation) ? 1 : 0;
+      const bool contradicts = to.contradicts(from, k, p, rotation);
+      through += contradicts ? 1 : 0;
+      steep += contradicts && is_steep(from.cloud_, i) ? 1 : 0;
       continue;
     }
     const std::size_t j = static_cast<std::size_t>(nearest.index);
     const float distance = std::abs(to.cloud_.normal(j).dot(p - to.cloud_.point(j)));
     const float cosine = to.cloud_.normal(j).dot(rotation * from.cloud_.normal(i));
     result.distances.push_back(distance);
-    on += distance < kOn * to.voxel_ && std::abs(cosine) > kSameWay ? 1 : 0;
+    const bool fits = distance < kOn * to.voxel_ && std::abs(cosine) > kSameWay;
+    on += fits ? 1 : 0;
+    steep += fits && is_steep(from.cloud_, i) ? 1 : 0;
   }
   result.overlap = share(on, from.samples_.size());
   result.on = on;
   result.through = through;
+  result.steep = steep;
   return result;
 }
 
@@ -124,6 +129,7 @@ CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose&
   CloudFit fit;
   fit.overlap = std::max(there.overlap, back.overlap);
   fit.least_overlap = std::min(there.overlap, back.overlap);
+  fit.steep = there.steep + back.steep;
   if (whose == ContradictionOf::kBoth)
     fit.contradiction = share(there.through + back.through, there.compared() + back.compared());
   else

@@ -13,6 +13,9 @@
 
 namespace scanlock {
 
+/// So few points of steep surfaces say little.
+inline constexpr std::size_t kFewSteep = 100;
+
 /// What two clouds say about a pose between them.
 struct CloudFit {
   /// Share of the points of one cloud that lie less than half a voxel from the plane of a surface of the
@@ -25,6 +28,7 @@ struct CloudFit {
   /// are not counted.
   double contradiction = 0;
   double least_overlap = 0;  ///< as overlap, but the smaller share of the two directions
+  std::size_t steep = 0;     ///< points of steep surfaces that the contradiction or the overlap counts
 };
 
 /// The cloud whose points the contradiction is counted over.
@@ -57,7 +61,7 @@ class CloudCheck {
  private:
   struct OneWay {
     double overlap = 0;
-    std::size_t on = 0, through = 0;  // samples
+    std::size_t on = 0, through = 0, steep = 0;  // samples; the last of both
     std::vector<float> distances;
     std::size_t compared() const { return on + through; }
   };

@@ -19,8 +19,7 @@ namespace {
 constexpr double kEpsilonOfVoxel = 0.75;
 constexpr double kStrongOverlap = 0.55, kStrongLeastOverlap = 0.45;
 constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
-constexpr double kSomeOverlap = 0.3;
-constexpr double kNoRival = 2;  // consensus over what the runner-up may have
+constexpr double kNoRival = 2;                            // consensus over what the runner-up may have
 constexpr int kPreciseMatches = 24;
 // Who draws long enough finds what looks right: later match sets have to pass both tests.
 constexpr int kPlainAttempts = 2;
@@ -31,7 +30,6 @@ constexpr double kSpread = 0.08;          // radians between attitudes that make
 constexpr double kPeeled = 2;             // epsilons
 constexpr double kOutOfQuestion = 0.4;    // of the score: so much behind the best proposal
 constexpr double kFarAhead = 1.6;         // consensus over what the runner-up may have
-constexpr double kImpossible = 0.03;      // contradiction: right poses hardly ever have more than 0.01
 constexpr std::size_t kManyKeypoints = 300;
 
 std::string no_pose_has_enough(const MatchRegistration& search) {
@@ -286,15 +284,19 @@ CloudRegistration Registrar::propose() {
                    [](const auto& a, const auto& b) { return score(a.fit) > score(b.fit); });
   const Hypothesis& best = hypotheses_.front();
   settle_on(best);
-  bool alone = best.fit.overlap >= kSomeOverlap && score(best.fit) > 0;
+  std::vector<CloudFit> others;
   for (const Hypothesis& h : hypotheses_) {
-    if (&h == &best || score(h.fit) <= score(best.fit) - kOutOfQuestion) continue;
-    alone = alone && h.fit.overlap < kSomeOverlap;
+    if (&h == &best) continue;
+    others.push_back(h.fit);
+    if (score(h.fit) <= score(best.fit) - kOutOfQuestion) continue;
     if (h.fit.contradiction <= kImpossible) result_.rivals.push_back(h.refined);
   }
-  result_.why = numbers();
+  result_.log_odds = log_odds(best.fit, others);
+  char odds[40];
+  std::snprintf(odds, sizeof odds, "; log odds %.1f", result_.log_odds);
+  result_.why = numbers() + odds;
   // What moved since, or moves, contradicts the right place, too; then no other one is nearly as good.
-  if (best.fit.contradiction > kImpossible && !alone) {
+  if (best.fit.contradiction > kImpossible && result_.log_odds <= 0) {
     result_.why = "the clouds contradict every pose: " + result_.why;
     return result_;
   }

@@ -57,6 +57,7 @@ struct CloudRegistration {
   std::string why;                    ///< a sentence for people
   CloudFit fit, rival_fit;            ///< of target_from_source, and of the best of `rivals`
   std::vector<Pose> rivals;           ///< all other poses that were compared, refined
+  double log_odds = 0;                ///< see hypothesis.hpp; of target_from_source, unless judged
   std::vector<Hypothesis> standing;   ///< the proposals that the clouds do not contradict
   std::uint32_t degenerate_axes = 0;  ///< of the refinement
   double epsilon = 0;                 ///< metres, as used

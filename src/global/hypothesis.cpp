@@ -16,6 +16,9 @@ constexpr double kMostResidual = 0.18;       // voxels
 constexpr double kPriceOfContradiction = 4;  // of overlap
 constexpr double kRivalOverlap = 0.75;       // of the best pose's
 constexpr double kRefuted = 0.06;            // contradiction
+// See log_odds().
+constexpr double kOddsOfNothing = -14.9, kOddsOfOverlap = 24.5, kOddsOfLead = 20.5,
+                 kOddsOfContradiction = 50.9, kMostTold = 0.2, kDoubtful = 0.5;
 
 }  // namespace
 
@@ -26,6 +29,16 @@ bool confirmed(const CloudFit& fit, double voxel) {
 
 double score(const CloudFit& fit) {
   return fit.overlap - kPriceOfContradiction * fit.contradiction;
+}
+
+double log_odds(const CloudFit& fit, const std::vector<CloudFit>& others) {
+  double lead = fit.overlap < kSomeOverlap ? 0 : 1;
+  for (const CloudFit& other : others)
+    if (other.overlap >= kSomeOverlap) lead = std::min(lead, score(fit) - score(other));
+  const double odds = kOddsOfNothing + kOddsOfOverlap * fit.overlap + kOddsOfLead * lead -
+                      kOddsOfContradiction * std::sqrt(std::min(fit.contradiction, kMostTold));
+  const double told = odds * std::min(1.0, static_cast<double>(fit.steep) / kFewSteep);
+  return fit.contradiction > kImpossible ? std::min(told, kDoubtful) : told;
 }
 
 bool clearly_worse(const CloudFit& other, const CloudFit& best) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 #include "geometry/rigid.hpp"
 #include "geometry/rigid_fit.hpp"
@@ -24,6 +25,18 @@ struct Hypothesis {
 bool confirmed(const CloudFit& fit, double voxel);
 /// Larger for a better fit; for comparing hypotheses of the same two clouds.
 double score(const CloudFit& fit);
+/// The overlap from which a pose is a rival of another one.
+inline constexpr double kSomeOverlap = 0.3;
+/// Contradiction: right poses hardly ever have more than 0.01.
+inline constexpr double kImpossible = 0.03;
+/// Logarithm of the odds that the best pose of a search is right rather than that the map does not show the
+/// place, at even odds before (between rivals the scans that follow decide), by its fit and those of the
+/// others: a logistic model of the overlap, the square root of the contradiction, and the lead in score over
+/// its rivals (1 where there is none, 0 where it would be none itself). Fitted to 475 searches that had found
+/// the place and 1381 in maps that do not show it, in towns, rooms, woods and car parks of two simulators: of
+/// the latter none had more than log(200), of the former 83 %. Fewer than kFewSteep points of steep surfaces
+/// say less, by their share. Above kImpossible it is about even at most.
+double log_odds(const CloudFit& fit, const std::vector<CloudFit>& others);
 /// Whether a pose of the fit `other` is ruled out beside one of the fit `best`: by less overlap, or
 /// contradicted.
 bool clearly_worse(const CloudFit& other, const CloudFit& best);

@@ -80,7 +80,7 @@ class Merger {
     const auto [agreeing, others] = largest_agreement(finds);
     result->agreeing = agreeing.size();
     result->otherwise = largest_agreement(others).first.size();
-    if (agreeing.size() < static_cast<std::size_t>(kSureWitnesses) || result->otherwise > 1) return false;
+    if (agreeing.size() < kAgreeingFinds || result->otherwise > 1) return false;
     // The search that they all agree with once more, now that it can be accepted.
     const std::vector<JoinAnswer> answers =
         look_for(here_.keyframe(agreeing.front().closure.to), {agreeing.begin() + 1, agreeing.end()});
@@ -231,7 +231,7 @@ class Merger {
       const JoinAnswer answer = join_submaps(request, finder_, config_);
       if (answer.closure.outcome != ClosureOutcome::kRefused) found.push_back(answer);
       // Whatever was found, another part may look the same.
-      search.take(answer.search.serial, false, answer.search.evidence == PlaceEvidence::kLittle, 0);
+      search.take(answer.search.serial, false, answer.search.little, 0);
     }
     return found;
   }

@@ -20,8 +20,11 @@ struct MapMerge {
   std::size_t closures = 0;   ///< between the two maps, in the graph that was optimised
 };
 
+/// Searches that have to agree on an overlap.
+inline constexpr std::size_t kAgreeingFinds = 3;
+
 /// Two maps of unrelated frames, which overlap, as one. Keyframes from all over the second map are searched
-/// for in the first as join_submaps() does. The maps are joined where at least kSureWitnesses finds agree and
+/// for in the first as join_submaps() does. The maps are joined where at least kAgreeingFinds finds agree and
 /// no two of the others agree on another overlap; then loop closures are added along the overlap, each
 /// accepted as close_loop() does, and the graph is optimised. Keyframes that no constraints tie to the frame
 /// of their map are left out. z is up in both maps. Deterministic. `progress`: keyframes done and in all.

@@ -17,6 +17,9 @@ Matrix6 resolution(const RecoveryRequest& search, double reach) {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
+// Contradiction: of the largest consensus of two submaps.
+constexpr double kSoundContradiction = 0.015;
+
 }  // namespace
 
 JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const TrackerConfig& config) {
@@ -96,8 +99,8 @@ std::optional<RecoveryRequest> JoinSearch::next(std::int64_t utime, const LocalM
 
 void JoinSearch::take(const JoinAnswer& answer) {
   const RecoveryAnswer& search = answer.search;
-  search_.take(search.serial, answer.closure.outcome != ClosureOutcome::kRefused,
-               search.evidence == PlaceEvidence::kLittle, search.cost_s);
+  search_.take(search.serial, answer.closure.outcome != ClosureOutcome::kRefused, search.little,
+               search.cost_s);
 }
 
 void JoinSearch::remember(const JoinFind& find) {

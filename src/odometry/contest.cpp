@@ -18,7 +18,7 @@ namespace {
 
 // Of the usual share of inliers, what a place has to have to be a rival, and what to win: rooms that look
 // alike have 0.85 to 0.93. Where searches leave little doubt, more of what is seen may be new ground.
-constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kSoundShare = 0.65, kKnownShare = 0.3;
+constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kBelievedShare = 0.65, kKnownShare = 0.3;
 constexpr double kUnknownShare = 0.5;  // the usual one, before a second scan
 constexpr int kWins = 3;               // scans in a row
 constexpr int kMissesAllowed = 1;
@@ -48,7 +48,7 @@ bool is_open(const Attempt& attempt) {
 
 }  // namespace
 
-Contest::Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evidence, bool all_there) {
+Contest::Contest(const std::vector<Pose>& map_from_predicted, double log_odds) {
   for (const Pose& pose : map_from_predicted) {
     places_.emplace_back();
     places_.back().map_from_predicted = pose;
@@ -56,18 +56,19 @@ Contest::Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evid
     places_.back().winners_share = kWinnersShare;
   }
   Place& favourite = places_.front();
-  favourite.sound = evidence >= PlaceEvidence::kSound;
-  favourite.all_there = all_there;
-  if (favourite.sound) favourite.least_share = favourite.winners_share = kSoundShare;
-  if (evidence == PlaceEvidence::kSure) favourite.least_share = favourite.winners_share = kKnownShare;
+  favourite.believed = log_odds >= kBelieved;
+  if (favourite.believed) favourite.least_share = favourite.winners_share = kBelievedShare;
+  if (log_odds >= kSure) favourite.least_share = favourite.winners_share = kKnownShare;
 }
 
-Contest::Contest(const Pose& map_from_predicted, int wins)
-    : Contest(std::vector<Pose>{map_from_predicted}, PlaceEvidence::kSome, false) {
-  places_.front().winners_share = kUsualShare;
-  places_.front().tried = wins > 0;
-  wins_ = wins;
-  expected_ = true;
+Contest Contest::expected_at(const Pose& map_from_predicted, int wins) {
+  Contest contest({map_from_predicted}, 0.0);
+  Place& place = contest.places_.front();
+  place.winners_share = kUsualShare;
+  place.tried = wins > 0;
+  contest.wins_ = wins;
+  contest.expected_ = true;
+  return contest;
 }
 
 void Contest::note_standing(const Pose& map_from_predicted, const Excursion& excursion) {
@@ -140,9 +141,9 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
   const auto fits = [&](const Attempt& attempt) {
     // What the robot has seen on its way explains the scan, too: a place that does so much worse is another,
     // unless the clouds say that it is not. A map of another sensor or day explains scans less well, which
-    // says nothing against a place where nearly all is there.
-    return explains(attempt, place.all_there ? std::numeric_limits<double>::infinity() : kCalmScore) &&
-           (expected_ || place.sound ||
+    // says nothing against a place that is believed.
+    return explains(attempt, place.believed ? std::numeric_limits<double>::infinity() : kCalmScore) &&
+           (expected_ || place.believed ||
             attempt.health.energy <= kHopeless * attempt.health.baseline + kAtLeast) &&
            attempt.health.share >= place.least_share * usual(attempt) &&
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);

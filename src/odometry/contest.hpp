@@ -22,12 +22,11 @@ class Contest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
-  /// Corrections of predicted poses, the best first, and the evidence for that one. `all_there`: see
-  /// RecoveryAnswer.
-  Contest(const std::vector<Pose>& map_from_predicted, PlaceEvidence evidence, bool all_there);
+  /// Corrections of predicted poses, the best first, and the log odds of that one.
+  Contest(const std::vector<Pose>& map_from_predicted, double log_odds);
   /// A single hypothesis at which the robot is expected, without a search. `wins`: scans that it has
   /// explained already.
-  Contest(const Pose& map_from_predicted, int wins);
+  static Contest expected_at(const Pose& map_from_predicted, int wins);
 
   /// The hypothesis near this correction is not contradicted, though the map may not show all that is seen
   /// there.
@@ -50,8 +49,7 @@ class Contest {
     Pose map_from_predicted;
     double least_share = 0, winners_share = 0;  ///< of the usual share of inliers, to fit, and to win
     int missed = 0;
-    bool sound = false;       ///< the search leaves little doubt: PlaceEvidence::kSound or more
-    bool all_there = false;   ///< see RecoveryAnswer
+    bool believed = false;    ///< the searches leave little doubt
     bool standing = false;    ///< see note_standing()
     bool fits = false;        ///< the last scan
     bool could_win = false;   ///< by it

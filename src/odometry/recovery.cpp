@@ -14,9 +14,8 @@
 namespace scanlock {
 namespace {
 
-constexpr double kKeypoints = 1000;  // of the source; of the target as many per area
-// In strange buildings no favourite of 358 searches had such an overlap.
-constexpr double kSoundOverlap = 0.85;
+constexpr double kKeypoints = 1000;    // of the source; of the target as many per area
+constexpr double kMostIsThere = 0.85;  // overlap
 // Of two searches with a planar sensor in strange buildings that were taken in, it was a third.
 constexpr double kLittleOverlap = 0.5;
 // Of the source's points, the share that has to have enough neighbours: of a sensor of few points a wider
@@ -141,17 +140,15 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   answer.contradiction = found.fit.contradiction;
   answer.certified = found.solution.certified;
   if (answer.certified && found.verdict != GlobalVerdict::kNoOverlap) answer.verdict = PlaceVerdict::kFound;
-  if (found.fit.overlap < kLittleOverlap) answer.evidence = PlaceEvidence::kLittle;
-  answer.all_there = found.fit.overlap >= kSoundOverlap && found.fit.contradiction <= kSoundContradiction;
-  if (answer.all_there) answer.evidence = PlaceEvidence::kSound;
-  if (found.verdict == GlobalVerdict::kCertain) answer.evidence = PlaceEvidence::kClear;
+  answer.little = found.fit.overlap < kLittleOverlap;
+  answer.log_odds = found.log_odds;
   const auto correction = [&](const Pose& target_from_source) -> Pose {
     return to_level.inverse() * target_from_source * to_stand;
   };
   answer.map_from_predicted = correction(found.target_from_source);
   for (const Pose& rival : found.rivals) answer.rivals.push_back(correction(rival));
   for (const Hypothesis& place : found.standing) {
-    if (place.fit.overlap < kSoundOverlap) answer.standing.push_back(correction(place.refined));
+    if (place.fit.overlap < kMostIsThere) answer.standing.push_back(correction(place.refined));
   }
   answer.matches = static_cast<int>(found.solution.matches);
   answer.matches_kept = static_cast<int>(found.solution.matches_after_pruning);

@@ -52,18 +52,6 @@ enum class PlaceVerdict : std::int8_t {
   kNotHere,  ///< no place there has enough of a consensus, or that it has is not proven
 };
 
-/// What speaks for the favourite of a search, more and more.
-enum class PlaceEvidence : std::int8_t {
-  kLittle,  ///< most of what was seen is not there
-  kSome,
-  kSound,  ///< nearly all that was seen is there, and nothing contradicts
-  kClear,  ///< it has far more matches than any other place, too
-  kSure    ///< kSureWitnesses name it
-};
-
-/// Of what was seen, the share that contradicts a place (see CloudFit) which is sound nevertheless.
-inline constexpr double kSoundContradiction = 0.015;
-
 /// Metres and radians: poses so near each other are the same place.
 inline constexpr double kSamePlace = 0.5, kSameHeading = 3.0 * kDegree;
 /// The axes that tell places apart, as bits (see Degeneracy): x, y and yaw.
@@ -72,9 +60,9 @@ inline constexpr std::uint32_t kOnTheGround = 0b100011;
 /// Earlier finds that have to say the same as one which is not sound by itself; with a planar sensor one room
 /// is soon like another.
 inline constexpr std::ptrdiff_t kAgreeing = 1, kPlanarAgreeing = 3;
-/// Witnesses that name a place and find nothing that contradicts it, so that it is sure: searches from
-/// different keyframes, and the matches, where far more hold it than any other.
-inline constexpr std::ptrdiff_t kSureWitnesses = 3;
+/// Log odds (see CloudRegistration) by all searches from different keyframes that name a place, from which it
+/// is believed, and sure: one search in 200 of a map that does not show the place, and one in 10,000.
+inline constexpr double kBelieved = 5.3, kSure = 9.2;
 /// Places that are tried at once, and finds that are remembered: caps on their cost.
 inline constexpr std::size_t kMostPlaces = 5, kMostFinds = 20;
 
@@ -94,9 +82,9 @@ struct RecoveryAnswer {
   /// Of the largest consensus, which need not be at the likeliest place.
   int matches = 0, matches_kept = 0, consensus = 0, upper_bound = 0, runner_up_consensus = 0;
   bool certified = false;
-  PlaceEvidence evidence = PlaceEvidence::kSome;
   double contradiction = 0;  ///< see CloudFit; of the likeliest place
-  bool all_there = false;    ///< nearly all that was seen is there, and nothing contradicts
+  double log_odds = 0;       ///< see CloudRegistration; of the likeliest place
+  bool little = false;       ///< most of what was seen is not there
   std::string reason;
   std::string map_fault;  ///< see TrackedScan; nothing was found then
   std::int64_t nodes = 0;

@@ -18,6 +18,7 @@ constexpr int kSeldom = 5;            // and after that on every fifth
 constexpr double kFarGate = 2.0;      // metres: a prediction so far off needs the far reach
 constexpr double kAgreeMetres = 1.0;  // metres: finds of two searches that mean the same,
 constexpr double kAgreeRadians = 6.0 * kDegree;
+constexpr double kOfAnother = 0.5;  // of the log odds: searches one after another see much of the same
 constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival is enough there
 constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
 constexpr double kAsNear = 1.2;   // times the distance of the archive's nearest: it shows the place no better
@@ -124,7 +125,8 @@ void Relocation::feel(std::int64_t utime, const PreparedScan& scan, Odometer& od
   looks_alike_ =
       looks_alike_ || contradiction(*last_seen_, utime, scan, attempt->alignment.moving) > kMostContradiction;
   if (!looks_alike_ || nothing_found_)
-    candidate_ = Candidate{Contest(renormalised(found * predicted.pose.inverse()), 1), std::nullopt};
+    candidate_ =
+        Candidate{Contest::expected_at(renormalised(found * predicted.pose.inverse()), 1), std::nullopt};
 }
 
 /// Whether one of the places is believed with this scan.
@@ -189,10 +191,9 @@ std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, cons
 void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
                       Odometer& odometer) {
   const bool found = answer.verdict == PlaceVerdict::kFound;
-  const bool little = answer.evidence == PlaceEvidence::kLittle;
   // What something contradicts may be right, and does not keep the search from looking elsewhere.
   const bool undisputed = found && answer.contradiction <= kClearContradiction;
-  if (!search_.take(answer.serial, undisputed, little, answer.cost_s) || !lost_ || !excursion_) return;
+  if (!search_.take(answer.serial, undisputed, answer.little, answer.cost_s) || !lost_ || !excursion_) return;
   nothing_found_ = !found;
   if (!found) {
     if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
@@ -200,26 +201,26 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     return;
   }
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
-  const bool planar = excursion_->planar(), clear = answer.evidence == PlaceEvidence::kClear;
-  const bool sound = !planar && answer.contradiction <= kSoundContradiction;
+  const bool planar = excursion_->planar();
   const std::size_t keyframes = excursion_->seen().keyframes().size();
-  std::size_t counted = clear ? 0 : keyframes;
-  std::ptrdiff_t agreeing = 0, witnesses = clear ? 2 : 1;
+  std::size_t counted = keyframes;
+  std::ptrdiff_t agreeing = 0;
+  double log_odds = answer.log_odds;
   for (const Find& other : earlier_finds_) {
     if (!agree(other.map_from_predicted, answer.map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
     ++agreeing;
-    // A robot that stands sees the same again.
-    if (!other.sound || other.keyframes == counted) continue;
+    if (other.keyframes == counted) continue;  // a robot that stands sees the same again
     counted = other.keyframes;
-    ++witnesses;
+    log_odds += kOfAnother * other.log_odds;
   }
-  const bool too_little = planar && little;
-  const bool enough = planar ? !too_little && agreeing >= kPlanarAgreeing
-                             : answer.evidence >= PlaceEvidence::kSound || agreeing >= kAgreeing;
+  const bool too_little = planar && answer.little;
+  // Of the few points of such a sensor the odds say little: so many finds that agree are believed.
+  if (planar) log_odds = !too_little && agreeing >= kPlanarAgreeing ? kBelieved : 0;
+  const bool enough = log_odds >= kBelieved || (!planar && agreeing >= kAgreeing);
   std::vector<Pose> places = rivals_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
   if (!too_little)
-    earlier_finds_.insert(earlier_finds_.begin(), {answer.map_from_predicted, sound, keyframes});
+    earlier_finds_.insert(earlier_finds_.begin(), {answer.map_from_predicted, answer.log_odds, keyframes});
   if (earlier_finds_.size() > kMostFinds) earlier_finds_.pop_back();
   if (!enough) {
     ended_ = recovery_of(answer);
@@ -227,8 +228,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     return;
   }
   cover(places, archive, voxel, odometer);
-  const bool sure = sound && witnesses >= kSureWitnesses;
-  Contest contest(places, sure ? PlaceEvidence::kSure : answer.evidence, answer.all_there);
+  Contest contest(places, log_odds);
   for (const Pose& standing : answer.standing) contest.note_standing(standing, *excursion_);
   candidate_ = Candidate{std::move(contest), std::move(answer)};
 }
@@ -274,7 +274,7 @@ bool Relocation::agree(const Pose& a, const Pose& b, double metres, double radia
 }
 
 void Relocation::propose_here() {
-  candidate_ = Candidate{Contest(Pose::Identity(), 0), std::nullopt};
+  candidate_ = Candidate{Contest::expected_at(Pose::Identity(), 0), std::nullopt};
 }
 
 }  // namespace scanlock

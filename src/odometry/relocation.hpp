@@ -85,7 +85,7 @@ class Relocation {
   /// What a search found likeliest.
   struct Find {
     Pose map_from_predicted;
-    bool sound;             ///< nothing contradicts it
+    double log_odds;
     std::size_t keyframes;  ///< that the excursion had by then
   };
   void depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer);

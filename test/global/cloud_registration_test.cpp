@@ -152,22 +152,41 @@ TEST_CASE("all places that look alike are proposed") {
   }
 }
 
+TEST_CASE(
+    "the odds of a place are high where the clouds fit it far better than any other, and low in another "
+    "map") {
+  DescriptionOptions description;
+  description.voxel = 0.5;
+  CloudRegistrationOptions options;
+  options.judged = false;
+  options.tilt = 0.01;
+  const CloudDescription seen = describe(yard(5, 6), description);
+  const Pose there = level_pose(0.3, -70, 0, 0);
+  const CloudRegistration found =
+      register_clouds(seen, describe(moved(yard(5, 7), there), description), options);
+  CHECK(near(found.target_from_source, there, 0.1, 0.01));
+  CHECK(found.fit.steep > 1000);
+  CHECK(found.log_odds > 9);
+  for (const std::uint32_t strange : {1u, 2u, 3u})
+    CHECK(register_clouds(seen, describe(yard(strange, 7), description), options).log_odds < 4);
+}
+
 TEST_CASE("what moved since does not rule out the right place, unless another one is nearly as good") {
-  // Eight boards in a ring, which hide what is behind them.
+  // Five boards in a ring, which hide what is behind them.
   const auto with_boards = [](const PointCloud& cloud, double turn) {
     PointCloud result;
-    const auto bearing = [&](int board) { return turn + kPi / 4 * board; };
+    const auto bearing = [&](int board) { return turn + kPi / 2.5 * board; };
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const Eigen::Vector3f p = cloud.point(i);
       bool hidden = false;
-      for (int board = 0; board < 8; ++board) {
+      for (int board = 0; board < 5; ++board) {
         const Eigen::Vector3f q =
             Eigen::AngleAxisf(static_cast<float>(-bearing(board)), Eigen::Vector3f::UnitZ()) * p;
         hidden = hidden || (q.x() > 9 && std::abs(q.y() * 9 / q.x()) < 2 && q.z() * 9 / q.x() < 0.6f);
       }
       if (!hidden) result.push_back(p);
     }
-    for (int board = 0; board < 8; ++board) {
+    for (int board = 0; board < 5; ++board) {
       for (int k = 0; k < 2080; ++k) {
         const Eigen::Vector3d p(9, 0.1 * (k % 40) - 2, 0.05 * (k / 40) - 2);
         result.push_back((Eigen::AngleAxisd(bearing(board), Eigen::Vector3d::UnitZ()) * p).cast<float>());
@@ -182,10 +201,11 @@ TEST_CASE("what moved since does not rule out the right place, unless another on
   options.judged = false;
   options.tilt = 0.01;
   const CloudDescription seen = describe(with_boards(yard(5, 6), 0), description);
-  const PointCloud place = with_boards(yard(5, 7), kPi / 8);
+  const PointCloud place = with_boards(yard(5, 7), kPi / 5);
   const CloudRegistration alone = register_clouds(seen, describe(place, description), options);
   CHECK(alone.fit.contradiction > 0.03);
   CHECK(alone.verdict != GlobalVerdict::kNoOverlap);
+  CHECK(alone.log_odds > 0);
   CHECK(near(alone.target_from_source, Pose::Identity(), 0.1, 0.01));
 
   PointCloud twins = place;

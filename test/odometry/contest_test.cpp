@@ -30,7 +30,7 @@ Ending contest_of(const std::vector<ArchivedKeyframe>& map, const std::vector<Po
   odometer.start(0, first, {});
   odometer.reload(map, {{20, 0, 0}}, first.voxel);
   Excursion excursion(config, 0, first, {});
-  Contest contest(places, PlaceEvidence::kSome, false);
+  Contest contest(places, 0.0);
   if (standing) contest.note_standing(places.back(), excursion);
   Contest::Outcome outcome = Contest::Outcome::kOpen;
   for (unsigned i = 1; outcome == Contest::Outcome::kOpen; ++i) {
@@ -92,13 +92,13 @@ TEST_CASE(
 
 TEST_CASE(
     "in a map that was just loaded a place must explain a scan about as well as the scans do each other, "
-    "unless nearly all that is seen is there") {
+    "unless it is believed") {
   struct Case {
-    bool strange, all_there;
+    bool strange, believed;
   };
-  for (const auto& [strange, all_there] : {Case{false, false}, Case{true, false}, Case{true, true}}) {
+  for (const auto& [strange, believed] : {Case{false, false}, Case{true, false}, Case{true, true}}) {
     CAPTURE(strange);
-    CAPTURE(all_there);
+    CAPTURE(believed);
     const TrackerConfig config;
     PreparedHall hall(config);
     PointCloud map = hall_map();
@@ -108,7 +108,7 @@ TEST_CASE(
     Odometer odometer(config);
     odometer.reload({archived(Pose::Identity(), map)}, {Eigen::Vector3d::Zero()}, first.voxel);
     Excursion excursion(config, 0, first, {});
-    Contest contest({Pose::Identity()}, PlaceEvidence::kClear, all_there);
+    Contest contest({Pose::Identity()}, believed ? kBelieved : 0.0);
     Contest::Outcome outcome = Contest::Outcome::kOpen;
     for (unsigned i = 1; i < 6; ++i) excursion.follow(100000 * i, 0.1, hall.scan(i));
     for (unsigned i = 6; outcome == Contest::Outcome::kOpen; ++i) {
@@ -116,6 +116,6 @@ TEST_CASE(
       excursion.follow(100000 * i, 0.1, next);
       outcome = contest.judge(odometer, next, excursion);
     }
-    CHECK(outcome == (strange && !all_there ? Contest::Outcome::kRefuted : Contest::Outcome::kWon));
+    CHECK(outcome == (strange && !believed ? Contest::Outcome::kRefuted : Contest::Outcome::kWon));
   }
 }

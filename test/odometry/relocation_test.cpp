@@ -42,7 +42,7 @@ struct Displaced {
     answer.serial = request->serial;
     answer.utime = request->utime;
     answer.verdict = PlaceVerdict::kFound;
-    answer.evidence = PlaceEvidence::kClear;
+    answer.log_odds = kBelieved;
     answer.certified = true;
     answer.map_from_predicted = lost.inverse();
     answer.rivals = {rival * lost.inverse()};
