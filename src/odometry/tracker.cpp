@@ -62,6 +62,9 @@ struct Tracker::State {
   // At the last trusted scan its position was not known along some axis, as in a tunnel: once it is lost
   // there is no place to come back to.
   bool open = false;
+  // When the active submap began so: until it is joined its poses are as uncertain as the place was. After
+  // new_map_after_s they are those of a new epoch.
+  std::optional<std::int64_t> loose_since;
   int quiet_scans_left = 0;  // see kQuietScans
   std::string map_fault;     // to be told with the next scan
   GivenGround given_ground;
@@ -200,6 +203,10 @@ struct Tracker::State {
     // What the map explains little of, a crowd or dust, may be gone the next moment.
     check.trust(time.now(), scan, odometer->state(), attempt.health.share >= kDegradedShare);
     state = TrackingState::kTracking;
+    if (loose_since && time.since_s(*loose_since) > config.new_map_after_s) {
+      loose_since.reset();
+      ++epoch;
+    }
     relocation.end();
     if (quiet_scans_left > 0)
       --quiet_scans_left;
@@ -270,7 +277,10 @@ struct Tracker::State {
       return;
     }
     const bool found = outcome == Relocation::Outcome::kFound;
-    if (found) ++epoch;
+    if (found) {
+      ++epoch;
+      loose_since.reset();
+    }
     // On new ground the map must grow at once, or the robot has left it.
     quiet_scans_left = usual_share(attempt.health) ? kQuietScans : 0;
     // The next scans cost what this one does: in a map of archived keyframes, which are thinner, or on new
@@ -297,10 +307,13 @@ struct Tracker::State {
     odometer = excursion.take_odometer();
     relocation.end();
     ++submap;
-    if (open)
+    if (open) {
       odometer->set_drift(uncertain);
-    else
+      loose_since = time.now();
+    } else {
       ++epoch;
+      loose_since.reset();
+    }
     jumped = false;
     quiet_scans_left = 0;
     check.trust(time.now(), scan, odometer->state(), true);
@@ -348,7 +361,7 @@ struct Tracker::State {
       const std::uint32_t missing = unknown_axes(odometer->pose_covariance(), ~never);
       tracked->degenerate_axes = missing | never;
       const bool little = tracked->inliers < kDegradedShare * tracked->points_used;
-      if (missing != 0 || little) tracked->state = TrackingState::kDegraded;
+      if (missing != 0 || little || loose_since) tracked->state = TrackingState::kDegraded;
     }
     tracked->epoch = epoch;
     tracked->map_from_body = map_from_own * odometer->state().pose;
@@ -540,7 +553,9 @@ void Tracker::correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, co
   s.given_ground.forget();
   s.map_from_own = map_from_own;
   s.odometer->set_drift(drift);
-  if (jumps) ++s.epoch;
+  if (!jumps) return;
+  ++s.epoch;
+  s.loose_since.reset();
 }
 
 void Tracker::set_map_from_own(const Pose& map_from_own) {

@@ -471,6 +471,24 @@ TEST_CASE("a tunnel that looks another way than the map of it is not taken for a
   }
 }
 
+TEST_CASE("a map that begins where the position is not known is uncertain at first, and then another epoch") {
+  const Frame frame = each_frame();
+  TrackerConfig config = tunnel_config();
+  config.new_map_after_s = 2;
+  FramedTracker tracker(config, frame);
+  const auto way = [](double t) { return 200 + 8 * t; };  // metres: nothing shows the motion
+  for (int i = 0; i < 15; ++i) tracker.track(tunnel_scan(i, way));
+  const Drive hall(at(-6, -1, 0), twist(1, 0, 0));
+  TrackedScan tracked;
+  for (int i = 15; i < 50; ++i) {
+    tracked = tracker.track(hall.scan(i));
+    CAPTURE(i);
+    if (i < 35) CHECK(tracked.state == TrackingState::kDegraded);
+    CHECK(tracked.epoch == (tracked.state == TrackingState::kTracking ? 1 : 0));
+  }
+  CHECK(tracked.state == TrackingState::kTracking);
+}
+
 TEST_CASE("in a tunnel odometry says how far the robot went" * doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   // It brakes where nothing shows it, and stands.
