@@ -228,7 +228,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     return;
   }
   cover(places, archive, voxel, odometer);
-  Contest contest(places, log_odds);
+  // The odds are those that the map shows the place: which of several it is, scans have to tell.
+  Contest contest(places, places.size() > 1 ? std::min(log_odds, kBelieved) : log_odds);
   for (const Pose& standing : answer.standing) contest.note_standing(standing, *excursion_);
   candidate_ = Candidate{std::move(contest), std::move(answer)};
 }
