@@ -17,9 +17,6 @@ Matrix6 resolution(const RecoveryRequest& search, double reach) {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
-// Contradiction: of the largest consensus of two submaps.
-constexpr double kSoundContradiction = 0.015;
-
 }  // namespace
 
 JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const TrackerConfig& config) {

@@ -48,7 +48,7 @@ bool is_open(const Attempt& attempt) {
 
 }  // namespace
 
-Contest::Contest(const std::vector<Pose>& map_from_predicted, double log_odds) {
+Contest::Contest(const std::vector<Pose>& map_from_predicted, double log_odds, bool witnessed) {
   for (const Pose& pose : map_from_predicted) {
     places_.emplace_back();
     places_.back().map_from_predicted = pose;
@@ -58,11 +58,12 @@ Contest::Contest(const std::vector<Pose>& map_from_predicted, double log_odds) {
   Place& favourite = places_.front();
   favourite.believed = log_odds >= kBelieved;
   if (favourite.believed) favourite.least_share = favourite.winners_share = kBelievedShare;
-  if (log_odds >= kSure) favourite.least_share = favourite.winners_share = kKnownShare;
+  favourite.witnessed = witnessed;
+  if (log_odds >= kSure || witnessed) favourite.least_share = favourite.winners_share = kKnownShare;
 }
 
 Contest Contest::expected_at(const Pose& map_from_predicted, int wins) {
-  Contest contest({map_from_predicted}, 0.0);
+  Contest contest({map_from_predicted}, 0.0, false);
   Place& place = contest.places_.front();
   place.winners_share = kUsualShare;
   place.tried = wins > 0;
@@ -143,7 +144,7 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
     // unless the clouds say that it is not. A map of another sensor or day explains scans less well, which
     // says nothing against a place that is believed.
     return explains(attempt, place.believed ? std::numeric_limits<double>::infinity() : kCalmScore) &&
-           (expected_ || place.believed ||
+           (expected_ || place.believed || place.witnessed ||
             attempt.health.energy <= kHopeless * attempt.health.baseline + kAtLeast) &&
            attempt.health.share >= place.least_share * usual(attempt) &&
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);

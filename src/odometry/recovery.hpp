@@ -60,6 +60,11 @@ inline constexpr std::uint32_t kOnTheGround = 0b100011;
 /// Earlier finds that have to say the same as one which is not sound by itself; with a planar sensor one room
 /// is soon like another.
 inline constexpr std::ptrdiff_t kAgreeing = 1, kPlanarAgreeing = 3;
+/// Of what was seen, the share that contradicts a place (see CloudFit) which is sound nevertheless.
+inline constexpr double kSoundContradiction = 0.015;
+/// Searches from different keyframes that name a place which is sound, so that much of what is seen may be
+/// new ground there.
+inline constexpr std::ptrdiff_t kWitnesses = 3;
 /// Log odds (see CloudRegistration) by all searches from different keyframes that name a place, from which it
 /// is believed, and sure: one search in 200 of a map that does not show the place, and one in 10,000.
 inline constexpr double kBelieved = 5.3, kSure = 9.2;

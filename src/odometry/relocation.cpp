@@ -204,7 +204,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   const bool planar = excursion_->planar();
   const std::size_t keyframes = excursion_->seen().keyframes().size();
   std::size_t counted = keyframes;
-  std::ptrdiff_t agreeing = 0;
+  const bool sound = !planar && answer.contradiction <= kSoundContradiction;
+  std::ptrdiff_t agreeing = 0, witnesses = sound ? 1 : 0;
   double log_odds = answer.log_odds;
   for (const Find& other : earlier_finds_) {
     if (!agree(other.map_from_predicted, answer.map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
@@ -212,6 +213,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     if (other.keyframes == counted) continue;  // a robot that stands sees the same again
     counted = other.keyframes;
     log_odds += kOfAnother * other.log_odds;
+    witnesses += other.sound ? 1 : 0;
   }
   const bool too_little = planar && answer.little;
   // Of the few points of such a sensor the odds say little: so many finds that agree are believed.
@@ -220,7 +222,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   std::vector<Pose> places = rivals_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
   if (!too_little)
-    earlier_finds_.insert(earlier_finds_.begin(), {answer.map_from_predicted, answer.log_odds, keyframes});
+    earlier_finds_.insert(earlier_finds_.begin(),
+                          {answer.map_from_predicted, answer.log_odds, sound, keyframes});
   if (earlier_finds_.size() > kMostFinds) earlier_finds_.pop_back();
   if (!enough) {
     ended_ = recovery_of(answer);
@@ -229,7 +232,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   }
   cover(places, archive, voxel, odometer);
   // The odds are those that the map shows the place: which of several it is, scans have to tell.
-  Contest contest(places, places.size() > 1 ? std::min(log_odds, kBelieved) : log_odds);
+  Contest contest(places, places.size() > 1 ? std::min(log_odds, kBelieved) : log_odds,
+                  sound && witnesses >= kWitnesses);
   for (const Pose& standing : answer.standing) contest.note_standing(standing, *excursion_);
   candidate_ = Candidate{std::move(contest), std::move(answer)};
 }

@@ -86,6 +86,7 @@ class Relocation {
   struct Find {
     Pose map_from_predicted;
     double log_odds;
+    bool sound;             ///< nothing contradicts it
     std::size_t keyframes;  ///< that the excursion had by then
   };
   void depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer);
