@@ -203,15 +203,18 @@ struct Tracker::State {
     // What the map explains little of, a crowd or dust, may be gone the next moment.
     check.trust(time.now(), scan, odometer->state(), attempt.health.share >= kDegradedShare);
     state = TrackingState::kTracking;
-    if (loose_since && time.since_s(*loose_since) > config.new_map_after_s) {
-      loose_since.reset();
-      ++epoch;
-    }
+    if (loose_since && time.since_s(*loose_since) > config.new_map_after_s) begin_epoch();
     relocation.end();
     if (quiet_scans_left > 0)
       --quiet_scans_left;
     else
       keep(scan, attempt.health.share);
+  }
+
+  /// Poses are those of another frame from here on, and not uncertain against it.
+  void begin_epoch() {
+    ++epoch;
+    loose_since.reset();
   }
 
   void keep(const PreparedScan& scan, double share) {
@@ -277,10 +280,7 @@ struct Tracker::State {
       return;
     }
     const bool found = outcome == Relocation::Outcome::kFound;
-    if (found) {
-      ++epoch;
-      loose_since.reset();
-    }
+    if (found) begin_epoch();
     // On new ground the map must grow at once, or the robot has left it.
     quiet_scans_left = usual_share(attempt.health) ? kQuietScans : 0;
     // The next scans cost what this one does: in a map of archived keyframes, which are thinner, or on new
@@ -311,8 +311,7 @@ struct Tracker::State {
       odometer->set_drift(uncertain);
       loose_since = time.now();
     } else {
-      ++epoch;
-      loose_since.reset();
+      begin_epoch();
     }
     jumped = false;
     quiet_scans_left = 0;
@@ -463,7 +462,7 @@ void Tracker::reset() {
 
 void Tracker::set_pose(const Pose& map_from_body) {
   State& s = *state_;
-  ++s.epoch;
+  s.begin_epoch();
   s.relocation.end();
   const Pose before = s.odometer->state().pose;
   if (s.archive.empty()) s.map_from_own = upright(map_from_body);
@@ -553,9 +552,7 @@ void Tracker::correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, co
   s.given_ground.forget();
   s.map_from_own = map_from_own;
   s.odometer->set_drift(drift);
-  if (!jumps) return;
-  ++s.epoch;
-  s.loose_since.reset();
+  if (jumps) s.begin_epoch();
 }
 
 void Tracker::set_map_from_own(const Pose& map_from_own) {

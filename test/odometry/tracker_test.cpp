@@ -489,6 +489,19 @@ TEST_CASE("a map that begins where the position is not known is uncertain at fir
   CHECK(tracked.state == TrackingState::kTracking);
 }
 
+TEST_CASE("a pose that is told ends the uncertainty of a map that began where the position was not known") {
+  const Frame frame = each_frame();
+  FramedTracker tracker(tunnel_config(), frame);
+  for (int i = 0; i < 15; ++i) tracker.track(tunnel_scan(i, [](double t) { return 200 + 8 * t; }));
+  const Drive hall(at(-6, -1, 0), twist(1, 0, 0));
+  TrackedScan tracked;
+  for (int i = 15; i < 25; ++i) tracked = tracker.track(hall.scan(i));
+  REQUIRE(tracked.state == TrackingState::kDegraded);
+  tracker.set_pose(at(900, 0, 0));
+  for (int i = 25; i < 35; ++i) tracked = tracker.track(hall.scan(i));
+  CHECK(tracked.state == TrackingState::kTracking);
+}
+
 TEST_CASE("in a tunnel odometry says how far the robot went" * doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   // It brakes where nothing shows it, and stands.
