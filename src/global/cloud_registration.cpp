@@ -264,7 +264,6 @@ CloudRegistration Registrar::propose() {
   }
   add_hypothesis(s.target_from_source, s.consensus);
   if (s.runner_up_consensus >= kFewestMatches) add_hypothesis(s.runner_up, s.runner_up_consensus);
-  const Pose largest = hypotheses_.front().refined;
   const bool few = options_.target_ups.size() <= kFewAttitudes;
   const auto add_likely = [&](const std::vector<Eigen::Vector3d>& ups) {
     for (const Pose& pose : clouds_.likely_poses(ups, kProposals)) add_hypothesis(pose, 0);
@@ -300,10 +299,7 @@ CloudRegistration Registrar::propose() {
     result_.why = "the clouds contradict every pose: " + result_.why;
     return result_;
   }
-  const bool is_largest = clouds_.separation(best.refined, largest) < 1;
-  result_.verdict = !s.certified          ? GlobalVerdict::kUncertified
-                    : clear && is_largest ? GlobalVerdict::kCertain
-                                          : GlobalVerdict::kAmbiguous;
+  result_.verdict = s.certified ? GlobalVerdict::kAmbiguous : GlobalVerdict::kUncertified;
   return result_;
 }
 

@@ -34,8 +34,8 @@ struct CloudRegistrationOptions {
   std::vector<Eigen::Vector3d> target_ups;
   /// True: the fit of the clouds decides between the hypotheses of the matches. False: the caller decides;
   /// the clouds only sort the hypotheses, the likeliest first, and drop those that they contradict. The
-  /// verdict is then certain only where the largest consensus is at least kClearMargin times its runner-up
-  /// and is not contradicted. Where no pose has enough matches, as of sparse clouds, many more are drawn.
+  /// verdict is then never certain: `log_odds` tells. Where no pose has enough matches, as of sparse clouds,
+  /// many more are drawn.
   bool judged = true;
   /// Further hypotheses to compare, unless judged: see CloudRegistration::standing.
   std::vector<Pose> proposals;

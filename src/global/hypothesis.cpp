@@ -11,7 +11,6 @@
 namespace scanlock {
 namespace {
 
-constexpr double kLeastOverlap = 0.3, kMostContradiction = 0.03;
 constexpr double kMostResidual = 0.18;       // voxels
 constexpr double kPriceOfContradiction = 4;  // of overlap
 constexpr double kRivalOverlap = 0.75;       // of the best pose's
@@ -23,7 +22,7 @@ constexpr double kOddsOfNothing = -14.9, kOddsOfOverlap = 24.5, kOddsOfLead = 20
 }  // namespace
 
 bool confirmed(const CloudFit& fit, double voxel) {
-  return fit.overlap >= kLeastOverlap && fit.contradiction <= kMostContradiction &&
+  return fit.overlap >= kSomeOverlap && fit.contradiction <= kImpossible &&
          fit.residual <= kMostResidual * voxel;
 }
 

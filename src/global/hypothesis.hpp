@@ -34,7 +34,7 @@ inline constexpr double kImpossible = 0.03;
 /// others: a logistic model of the overlap, the square root of the contradiction, and the lead in score over
 /// its rivals (1 where there is none, 0 where it would be none itself). Fitted to 475 searches that had found
 /// the place and 1381 in maps that do not show it, in towns, rooms, woods and car parks of two simulators: of
-/// the latter none had more than 5.3 (200 to 1), of the former 83 %. Fewer than kFewSteep points of steep
+/// the latter none had more than 5.3 (200 to 1), of the former 80 %. Fewer than kFewSteep points of steep
 /// surfaces say less, by their share. Above kImpossible it is about even at most.
 double log_odds(const CloudFit& fit, const std::vector<CloudFit>& others);
 /// Whether a pose of the fit `other` is ruled out beside one of the fit `best`: by less overlap, or
