@@ -8,7 +8,6 @@
 #include <map>
 #include <optional>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -17,98 +16,22 @@
 #include "geometry/moved_cloud.hpp"
 #include "geometry/parallel.hpp"
 #include "geometry/voxel_grid.hpp"
+#include "mapping/floor.hpp"
 #include "odometry/motion_filter.hpp"
 
 namespace scanlock {
 namespace {
 
-constexpr float kFinest = 0.1F;       // metres: a voxel that hides what is behind it
-constexpr float kEye = 1.2F;          // metres above the floor
-constexpr float kHeadroom = 1.5F;     // metres that are free above a floor
-constexpr float kFloorCell = 0.5F;    // metres
-constexpr float kTile = 4;            // metres: cells and blocks of voxels both divide it
-constexpr float kStep = 0.4F;         // metres from one cell of a floor to the next: a kerb, a steep ramp
-constexpr int kAcross = 3;            // cells to the next one: what stands on a floor does not divide it
-constexpr double kLeastFloor = 0.05;  // of the widest one: what is less is a roof or a table
+constexpr float kFinest = 0.1F;            // metres: a voxel that hides what is behind it
+constexpr float kEye = 1.2F;               // metres above the floor
 constexpr double kRows = 40, kTurn = 180;  // rays, from 40 degrees below the horizon to 40 above, and around
 constexpr double kSteepest = 40 * kDegree;
 constexpr double kLevel = 8 * kDegree;  // rays flatter than this tell the reach
 constexpr std::size_t kLeastSeen = 50;  // points that stand on the floor: a roof and a bare field have none
+constexpr std::size_t kMuch = 20;       // cells: lamps and what hangs over the edge of a table take less
 
-using Cell = std::pair<int, int>;
-
-Cell cell_of(const Eigen::Vector3f& p, float size) {
-  return {static_cast<int>(std::floor(p.x() / size)), static_cast<int>(std::floor(p.y() / size))};
-}
-
-/// On what has headroom above it there.
-struct Place {
-  Cell cell;
-  float z = 0;  // metres
-  bool operator<(const Place& other) const { return std::tie(cell, z) < std::tie(other.cell, other.z); }
-  Eigen::Vector3f middle() const {
-    return {(static_cast<float>(cell.first) + 0.5F) * kFloorCell,
-            (static_cast<float>(cell.second) + 0.5F) * kFloorCell, z};
-  }
-};
-
-/// Ordered by cells, then by heights.
-std::vector<Place> find_floor(const SolidCloud& solid) {
-  // The columns of one tile are whole, and few points are looked at at once.
-  std::vector<std::pair<Cell, SolidCloud::BlockId>> blocks;
-  for (const SolidCloud::BlockId block : solid.blocks())
-    blocks.emplace_back(cell_of(solid.middle_of(block), kTile), block);
-  std::sort(blocks.begin(), blocks.end());
-  std::vector<Place> floor, column;
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    for (const Eigen::Vector3f& p : solid.points_of(blocks[i].second))
-      column.push_back({cell_of(p, kFloorCell), p.z()});
-    if (i + 1 < blocks.size() && blocks[i + 1].first == blocks[i].first) continue;
-    std::sort(column.begin(), column.end());
-    for (std::size_t k = 0; k < column.size(); ++k) {
-      const bool last = k + 1 == column.size() || column[k + 1].cell != column[k].cell;
-      if (last || column[k + 1].z - column[k].z >= kHeadroom) floor.push_back(column[k]);
-    }
-    column.clear();
-  }
-  std::sort(floor.begin(), floor.end());
-  return floor;
-}
-
-/// Of places that hang together by small steps, those of wide floors, in order.
-std::vector<Place> wide_floors(const std::vector<Place>& floor) {
-  constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> part(floor.size(), kNone), border;
-  std::vector<std::size_t> sizes;
-  for (std::uint32_t seed = 0; seed < part.size(); ++seed) {
-    if (part[seed] != kNone) continue;
-    const auto number = static_cast<std::uint32_t>(sizes.size());
-    sizes.push_back(0);
-    part[seed] = number;
-    border.push_back(seed);
-    while (!border.empty()) {
-      const Place at = floor[border.back()];
-      border.pop_back();
-      ++sizes.back();
-      for (int x = at.cell.first - kAcross; x <= at.cell.first + kAcross; ++x) {
-        constexpr float kLowest = -std::numeric_limits<float>::infinity();
-        auto next =
-            std::lower_bound(floor.begin(), floor.end(), Place{{x, at.cell.second - kAcross}, kLowest});
-        for (; next != floor.end() && next->cell <= Cell(x, at.cell.second + kAcross); ++next) {
-          const auto other = static_cast<std::uint32_t>(next - floor.begin());
-          if (part[other] != kNone || std::abs(next->z - at.z) > kStep) continue;
-          part[other] = number;
-          border.push_back(other);
-        }
-      }
-    }
-  }
-  std::vector<Place> wide;
-  if (sizes.empty()) return wide;
-  const double least = kLeastFloor * static_cast<double>(*std::max_element(sizes.begin(), sizes.end()));
-  for (std::size_t i = 0; i < floor.size(); ++i)
-    if (static_cast<double>(sizes[part[i]]) >= least) wide.push_back(floor[i]);
-  return wide;
+std::string square_metres(std::size_t cells) {
+  return std::to_string(std::lround(static_cast<float>(cells) * kFloorCell * kFloorCell)) + " m2";
 }
 
 /// Whether an eye there has the width of a robot around it.
@@ -215,7 +138,8 @@ SavedMap CloudMapBuilder::build(const std::string& name,
     throw std::runtime_error(name + ": none of its " + std::to_string(points_) +
                              " points is within 100 km of its origin; subtract an offset from them");
   solid_.close();
-  const std::vector<Place> places = wide_floors(find_floor(solid_));
+  const Floors floors = find_floors(solid_);
+  const std::vector<FloorPlace> places = wide_floors(floors.places);
   const std::vector<Eigen::Vector3f> rays = ray_directions();
   const auto range = static_cast<float>(options_.max_range_m);
   Eyes eyes;
@@ -227,7 +151,7 @@ SavedMap CloudMapBuilder::build(const std::string& name,
   std::uint64_t done = 0;
   float swept =
       -std::numeric_limits<float>::infinity();  // no ray of the eyes to come, of greater x, is there
-  for (const Place& place : places) {
+  for (const FloorPlace& place : places) {
     if (progress) progress(++done, places.size());
     if (const float behind = place.middle().x() - range; behind - swept > range) {
       solid_.forget_below(behind);
@@ -235,7 +159,7 @@ SavedMap CloudMapBuilder::build(const std::string& name,
     }
     const Eigen::Vector3f eye = place.middle() + kEye * Eigen::Vector3f::UnitZ();
     const auto nothing = barren.find(cell_of(eye, 2 * kFloorCell));
-    if (nothing != barren.end() && std::abs(nothing->second - eye.z()) < kStep) {
+    if (nothing != barren.end() && std::abs(nothing->second - eye.z()) < kFloorStep) {
       ++bare;
       continue;
     }
@@ -266,6 +190,10 @@ SavedMap CloudMapBuilder::build(const std::string& name,
   if (bare > 2 * seen)
     doubt_ = "nothing stands on " + std::to_string(100 * bare / (bare + seen)) +
              " % of its floor; is up another axis (map.up)?";
+  if (floors.hanging > 2 * floors.standing + kMuch)
+    doubt_ = "more hangs from its ceilings (" + square_metres(floors.hanging) +
+             ") than stands on its floors (" + square_metres(floors.standing) +
+             "): is it upside down (map.up)?";
   map.last_pose = map.keyframes.front().map_from_body;
   map.up = options_.up.normalized();
   for (const ArchivedKeyframe& k : map.keyframes)

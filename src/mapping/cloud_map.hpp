@@ -36,7 +36,7 @@ class CloudMapBuilder {
   SavedMap build(const std::string& name,
                  const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
   /// After build(), a warning where nothing stands on most of the floor: an open field, or a cloud that is
-  /// upside down. Empty otherwise.
+  /// upside down; or where more hangs from its ceilings than stands on its floors. Empty otherwise.
   const std::string& doubt() const { return doubt_; }
 
  private:

@@ -187,6 +187,21 @@ TEST_CASE(
   CHECK(yard.doubt().find("is up another axis") != std::string::npos);
 }
 
+TEST_CASE("rooms whose furniture hangs from the ceiling are doubted: they are upside down") {
+  PointCloud cloud = two_rooms(0.05F);
+  for (const float x : {1.0F, 5.5F, 9.0F, 11.5F, 14.0F})
+    for (const float y : {0.5F, 3.5F}) add_rectangle({x, y, 0.75F}, {1.5F, 0, 0}, {0, 2, 0}, 0.05F, &cloud);
+  Eigen::Matrix3d over;  // about x
+  over << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+  CloudMapBuilder upright({}), upside_down({});
+  upright.add(cloud);
+  upright.build("rooms");
+  CHECK(upright.doubt().empty());
+  upside_down.add(moved(cloud, Pose(over)));
+  upside_down.build("rooms");
+  CHECK(upside_down.doubt().find("is it upside down") != std::string::npos);
+}
+
 TEST_CASE("up may be any axis, and where nobody could stand the error says so") {
   Eigen::Matrix3d turn;  // y is up
   turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;

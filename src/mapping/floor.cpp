@@ -1,0 +1,114 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#include "mapping/floor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace scanlock {
+namespace {
+
+constexpr float kHeadroom = 1.5F;     // metres that are free above a floor
+constexpr float kTile = 4;            // metres: cells and blocks of voxels both divide it
+constexpr int kAcross = 3;            // cells to the next one: what stands on a floor does not divide it
+constexpr double kLeastFloor = 0.05;  // of the widest one: what is less is a roof or a table
+// Of a tile that is flat enough to tell what stands on it, and that: metres.
+constexpr float kFlatTile = 2, kFlat = 0.1F, kLowest = 0.2F, kHighest = 2;
+
+/// The places that stand out from flat tiles.
+std::size_t count_standing(std::vector<FloorPlace> surface) {
+  const auto tile = [](const FloorPlace& place) { return cell_of(place.middle(), kFlatTile); };
+  std::sort(surface.begin(), surface.end(), [&](const FloorPlace& a, const FloorPlace& b) {
+    return std::make_pair(tile(a), a.z) < std::make_pair(tile(b), b.z);
+  });
+  constexpr float kSide = kFlatTile / kFloorCell;
+  std::size_t standing = 0;
+  for (std::size_t begin = 0, end = 0; begin < surface.size(); begin = end) {
+    while (end < surface.size() && tile(surface[end]) == tile(surface[begin])) ++end;
+    const float middle = surface[(begin + end) / 2].z;
+    std::size_t flat = 0, above = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const float height = surface[i].z - middle;
+      flat += std::abs(height) < kFlat ? 1 : 0;
+      above += height > kLowest && height < kHighest ? 1 : 0;
+    }
+    if (static_cast<float>(flat) >= kSide * kSide / 2) standing += above;
+  }
+  return standing;
+}
+
+}  // namespace
+
+Cell cell_of(const Eigen::Vector3f& p, float size) {
+  return {static_cast<int>(std::floor(p.x() / size)), static_cast<int>(std::floor(p.y() / size))};
+}
+
+Floors find_floors(const SolidCloud& solid) {
+  // The columns of one tile are whole, and few points are looked at at once.
+  std::vector<std::pair<Cell, SolidCloud::BlockId>> blocks;
+  for (const SolidCloud::BlockId block : solid.blocks())
+    blocks.emplace_back(cell_of(solid.middle_of(block), kTile), block);
+  std::sort(blocks.begin(), blocks.end());
+  Floors floors;
+  std::vector<FloorPlace> column, roofed, ceiling;  // the latter with z down
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    for (const Eigen::Vector3f& p : solid.points_of(blocks[i].second))
+      column.push_back({cell_of(p, kFloorCell), p.z()});
+    if (i + 1 < blocks.size() && blocks[i + 1].first == blocks[i].first) continue;
+    std::sort(column.begin(), column.end());
+    for (std::size_t k = 0; k < column.size(); ++k) {
+      const bool last = k + 1 == column.size() || column[k + 1].cell != column[k].cell;
+      if (!last && column[k + 1].z - column[k].z < kHeadroom) continue;
+      floors.places.push_back(column[k]);
+      if (last) continue;
+      roofed.push_back(column[k]);
+      ceiling.push_back({column[k].cell, -column[k + 1].z});
+    }
+    floors.standing += count_standing(roofed);
+    floors.hanging += count_standing(ceiling);
+    column.clear();
+    roofed.clear();
+    ceiling.clear();
+  }
+  std::sort(floors.places.begin(), floors.places.end());
+  return floors;
+}
+
+std::vector<FloorPlace> wide_floors(const std::vector<FloorPlace>& floor) {
+  constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> part(floor.size(), kNone), border;
+  std::vector<std::size_t> sizes;
+  for (std::uint32_t seed = 0; seed < part.size(); ++seed) {
+    if (part[seed] != kNone) continue;
+    const auto number = static_cast<std::uint32_t>(sizes.size());
+    sizes.push_back(0);
+    part[seed] = number;
+    border.push_back(seed);
+    while (!border.empty()) {
+      const FloorPlace at = floor[border.back()];
+      border.pop_back();
+      ++sizes.back();
+      for (int x = at.cell.first - kAcross; x <= at.cell.first + kAcross; ++x) {
+        constexpr float kLowest = -std::numeric_limits<float>::infinity();
+        auto next =
+            std::lower_bound(floor.begin(), floor.end(), FloorPlace{{x, at.cell.second - kAcross}, kLowest});
+        for (; next != floor.end() && next->cell <= Cell(x, at.cell.second + kAcross); ++next) {
+          const auto other = static_cast<std::uint32_t>(next - floor.begin());
+          if (part[other] != kNone || std::abs(next->z - at.z) > kFloorStep) continue;
+          part[other] = number;
+          border.push_back(other);
+        }
+      }
+    }
+  }
+  std::vector<FloorPlace> wide;
+  if (sizes.empty()) return wide;
+  const double least = kLeastFloor * static_cast<double>(*std::max_element(sizes.begin(), sizes.end()));
+  for (std::size_t i = 0; i < floor.size(); ++i)
+    if (static_cast<double>(sizes[part[i]]) >= least) wide.push_back(floor[i]);
+  return wide;
+}
+
+}  // namespace scanlock
