@@ -17,7 +17,7 @@ constexpr double kRivalOverlap = 0.75;       // of the best pose's
 constexpr double kRefuted = 0.06;            // contradiction
 // See log_odds().
 constexpr double kOddsOfNothing = -14.9, kOddsOfOverlap = 24.5, kOddsOfLead = 20.5,
-                 kOddsOfContradiction = 50.9, kMostTold = 0.2, kDoubtful = 0.5;
+                 kOddsOfContradiction = 50.9, kMostTold = 0.2;
 
 }  // namespace
 

@@ -29,6 +29,8 @@ double score(const CloudFit& fit);
 inline constexpr double kSomeOverlap = 0.3;
 /// Contradiction: right poses hardly ever have more than 0.01.
 inline constexpr double kImpossible = 0.03;
+/// Log odds of a pose with more, at most: about even.
+inline constexpr double kDoubtful = 0.5;
 /// Logarithm of the odds that the best pose of a search is right rather than that the map does not show the
 /// place, at even odds before (between rivals the scans that follow decide), by its fit and those of the
 /// others: a logistic model of the overlap, the square root of the contradiction, and the lead in score over

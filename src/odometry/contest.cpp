@@ -11,6 +11,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/linear.hpp"
 #include "geometry/voxel_grid.hpp"
+#include "global/hypothesis.hpp"
 #include "odometry/tracking_promise.hpp"
 
 namespace scanlock {
@@ -48,7 +49,7 @@ bool is_open(const Attempt& attempt) {
 
 }  // namespace
 
-Contest::Contest(const std::vector<Pose>& map_from_predicted, double log_odds, bool witnessed) {
+Contest::Contest(const std::vector<Pose>& map_from_predicted, double log_odds) {
   for (const Pose& pose : map_from_predicted) {
     places_.emplace_back();
     places_.back().map_from_predicted = pose;
@@ -56,14 +57,13 @@ Contest::Contest(const std::vector<Pose>& map_from_predicted, double log_odds, b
     places_.back().winners_share = kWinnersShare;
   }
   Place& favourite = places_.front();
-  favourite.believed = log_odds >= kBelieved;
-  if (favourite.believed) favourite.least_share = favourite.winners_share = kBelievedShare;
-  favourite.witnessed = witnessed;
-  if (log_odds >= kSure || witnessed) favourite.least_share = favourite.winners_share = kKnownShare;
+  favourite.likely = log_odds > kDoubtful;
+  if (log_odds >= kBelieved)
+    favourite.least_share = favourite.winners_share = log_odds >= kSure ? kKnownShare : kBelievedShare;
 }
 
 Contest Contest::expected_at(const Pose& map_from_predicted, int wins) {
-  Contest contest({map_from_predicted}, 0.0, false);
+  Contest contest({map_from_predicted}, 0);
   Place& place = contest.places_.front();
   place.winners_share = kUsualShare;
   place.tried = wins > 0;
@@ -140,11 +140,10 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
     return attempt.health.usual_share > 0 ? attempt.health.usual_share : kUnknownShare;
   };
   const auto fits = [&](const Attempt& attempt) {
-    // What the robot has seen on its way explains the scan, too: a place that does so much worse is another,
-    // unless the clouds say that it is not. A map of another sensor or day explains scans less well, which
-    // says nothing against a place that is believed.
-    return explains(attempt, place.believed ? std::numeric_limits<double>::infinity() : kCalmScore) &&
-           (expected_ || place.believed || place.witnessed ||
+    // What the robot has seen on its way explains the scan, too: a place that does so much worse is another.
+    // But a map of another sensor or day explains scans less well, which says nothing against a likely place.
+    return explains(attempt, place.likely ? std::numeric_limits<double>::infinity() : kCalmScore) &&
+           (expected_ || place.likely ||
             attempt.health.energy <= kHopeless * attempt.health.baseline + kAtLeast) &&
            attempt.health.share >= place.least_share * usual(attempt) &&
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);
@@ -198,7 +197,10 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
       !led || same_place(led_by, leader.map_from_predicted, excursion.state().pose, 1.0, 6.0 * kDegree);
   wins_ = !clear || !leader.could_win ? 0 : same ? wins_ + 1 : 1;
   if (wins_ >= kWins) return Outcome::kWon;
-  return ++scans_ >= kMostScans ? Outcome::kUndecided : Outcome::kOpen;
+  ++scans_;
+  // What keeps a place without rivals from winning is that the map knows too little: another search is due.
+  const bool in_vain = places_.size() == 1 && wins_ == 0 && scans_ >= kWins;
+  return in_vain || scans_ >= kMostScans ? Outcome::kUndecided : Outcome::kOpen;
 }
 
 const char* Contest::why_undecided() const {

@@ -22,9 +22,9 @@ class Contest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
-  /// Corrections of predicted poses, the best first, and the log odds of that one. `witnessed`: kWitnesses
-  /// name it.
-  Contest(const std::vector<Pose>& map_from_predicted, double log_odds, bool witnessed);
+  /// Corrections of predicted poses, the best first, and its log odds: the higher, the less scans have to say
+  /// for it.
+  Contest(const std::vector<Pose>& map_from_predicted, double log_odds);
   /// A single hypothesis at which the robot is expected, without a search. `wins`: scans that it has
   /// explained already.
   static Contest expected_at(const Pose& map_from_predicted, int wins);
@@ -50,8 +50,7 @@ class Contest {
     Pose map_from_predicted;
     double least_share = 0, winners_share = 0;  ///< of the usual share of inliers, to fit, and to win
     int missed = 0;
-    bool witnessed = false;   ///< see Contest()
-    bool believed = false;    ///< the searches leave little doubt
+    bool likely = false;      ///< more than not
     bool standing = false;    ///< see note_standing()
     bool fits = false;        ///< the last scan
     bool could_win = false;   ///< by it

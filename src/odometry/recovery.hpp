@@ -57,8 +57,8 @@ inline constexpr double kSamePlace = 0.5, kSameHeading = 3.0 * kDegree;
 /// The axes that tell places apart, as bits (see Degeneracy): x, y and yaw.
 inline constexpr std::uint32_t kOnTheGround = 0b100011;
 
-/// Earlier finds that have to say the same as one which is not sound by itself; with a planar sensor one room
-/// is soon like another.
+/// Earlier finds that have to say the same as one which is not believed by itself; with a planar sensor one
+/// room is soon like another.
 inline constexpr std::ptrdiff_t kAgreeing = 1, kPlanarAgreeing = 3;
 /// Of what was seen, the share that contradicts a place (see CloudFit) which is sound nevertheless.
 inline constexpr double kSoundContradiction = 0.015;

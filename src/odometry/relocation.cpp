@@ -192,22 +192,29 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
                       Odometer& odometer) {
   const bool found = answer.verdict == PlaceVerdict::kFound;
   // What something contradicts may be right, and does not keep the search from looking elsewhere.
-  const bool undisputed = found && answer.contradiction <= kClearContradiction;
-  if (!search_.take(answer.serial, undisputed, answer.little, answer.cost_s) || !lost_ || !excursion_) return;
+  const bool likely = answer.log_odds > kDoubtful || (found && answer.contradiction <= kClearContradiction);
+  if (!search_.take(answer.serial, likely, answer.little, answer.cost_s) || !lost_ || !excursion_) return;
   nothing_found_ = !found;
+  const bool planar = excursion_->planar();
+  const bool sound = found && !planar && answer.contradiction <= kSoundContradiction;
+  const std::size_t keyframes = excursion_->seen().keyframes().size();
+  const std::vector<Find> earlier = earlier_finds_;
+  std::vector<Pose> places = rivals_of(answer);
+  // What is likely, though not proven to be the largest consensus, is a rival of later finds.
+  if ((found && !(planar && answer.little)) || (!planar && answer.log_odds > kDoubtful))
+    earlier_finds_.insert(earlier_finds_.begin(),
+                          {answer.map_from_predicted, answer.log_odds, sound, keyframes});
+  if (earlier_finds_.size() > kMostFinds) earlier_finds_.pop_back();
   if (!found) {
     if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
     ended_ = recovery_of(answer);
     return;
   }
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
-  const bool planar = excursion_->planar();
-  const std::size_t keyframes = excursion_->seen().keyframes().size();
   std::size_t counted = keyframes;
-  const bool sound = !planar && answer.contradiction <= kSoundContradiction;
   std::ptrdiff_t agreeing = 0, witnesses = sound ? 1 : 0;
   double log_odds = answer.log_odds;
-  for (const Find& other : earlier_finds_) {
+  for (const Find& other : earlier) {
     if (!agree(other.map_from_predicted, answer.map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
     ++agreeing;
     if (other.keyframes == counted) continue;  // a robot that stands sees the same again
@@ -215,25 +222,23 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     log_odds += kOfAnother * other.log_odds;
     witnesses += other.sound ? 1 : 0;
   }
-  const bool too_little = planar && answer.little;
+  if (answer.contradiction > kImpossible) log_odds = std::min(log_odds, kDoubtful);
   // Of the few points of such a sensor the odds say little: so many finds that agree are believed.
-  if (planar) log_odds = !too_little && agreeing >= kPlanarAgreeing ? kBelieved : 0;
-  const bool enough = log_odds >= kBelieved || (!planar && agreeing >= kAgreeing);
-  std::vector<Pose> places = rivals_of(answer);
-  places.insert(places.begin(), answer.map_from_predicted);
-  if (!too_little)
-    earlier_finds_.insert(earlier_finds_.begin(),
-                          {answer.map_from_predicted, answer.log_odds, sound, keyframes});
-  if (earlier_finds_.size() > kMostFinds) earlier_finds_.pop_back();
-  if (!enough) {
+  if (planar) log_odds = !answer.little && agreeing >= kPlanarAgreeing ? kBelieved : 0;
+  // A map that was loaded need not show the place at all.
+  const bool scans_decide = !planar && agreeing >= kAgreeing && (last_seen_ || log_odds > kDoubtful);
+  if (log_odds < kBelieved && !scans_decide) {
     ended_ = recovery_of(answer);
     ended_->reason.insert(0, planar ? "more searches have to agree: " : "a second search has to agree: ");
     return;
   }
+  places.insert(places.begin(), answer.map_from_predicted);
   cover(places, archive, voxel, odometer);
   // The odds are those that the map shows the place: which of several it is, scans have to tell.
-  Contest contest(places, places.size() > 1 ? std::min(log_odds, kBelieved) : log_odds,
-                  sound && witnesses >= kWitnesses);
+  if (places.size() > 1) log_odds = std::min(log_odds, kBelieved);
+  // Of a place of which the map shows a part they say little.
+  if (sound && witnesses >= kWitnesses) log_odds = kSure;
+  Contest contest(places, log_odds);
   for (const Pose& standing : answer.standing) contest.note_standing(standing, *excursion_);
   candidate_ = Candidate{std::move(contest), std::move(answer)};
 }
@@ -267,6 +272,8 @@ std::vector<Pose> Relocation::rivals_of(const RecoveryAnswer& answer) const {
     if (!taken && rivals.size() + 1 < kMostPlaces) rivals.push_back(place);
   };
   for (const Pose& place : undecided_) add(place);
+  for (const Find& find : earlier_finds_)
+    if (find.log_odds > kDoubtful) add(find.map_from_predicted);
   for (const Pose& place : answer.rivals) add(place);
   for (const Find& find : earlier_finds_) add(find.map_from_predicted);
   return rivals;

@@ -30,7 +30,7 @@ Ending contest_of(const std::vector<ArchivedKeyframe>& map, const std::vector<Po
   odometer.start(0, first, {});
   odometer.reload(map, {{20, 0, 0}}, first.voxel);
   Excursion excursion(config, 0, first, {});
-  Contest contest(places, 0.0, false);
+  Contest contest(places, 0);
   if (standing) contest.note_standing(places.back(), excursion);
   Contest::Outcome outcome = Contest::Outcome::kOpen;
   for (unsigned i = 1; outcome == Contest::Outcome::kOpen; ++i) {
@@ -108,7 +108,7 @@ TEST_CASE(
     Odometer odometer(config);
     odometer.reload({archived(Pose::Identity(), map)}, {Eigen::Vector3d::Zero()}, first.voxel);
     Excursion excursion(config, 0, first, {});
-    Contest contest({Pose::Identity()}, believed ? kBelieved : 0.0, false);
+    Contest contest({Pose::Identity()}, believed ? kBelieved : 0);
     Contest::Outcome outcome = Contest::Outcome::kOpen;
     for (unsigned i = 1; i < 6; ++i) excursion.follow(100000 * i, 0.1, hall.scan(i));
     for (unsigned i = 6; outcome == Contest::Outcome::kOpen; ++i) {
