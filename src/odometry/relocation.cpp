@@ -198,7 +198,17 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   const bool planar = excursion_->planar();
   const bool sound = found && !planar && answer.contradiction <= kSoundContradiction;
   const std::size_t keyframes = excursion_->seen().keyframes().size();
-  const std::vector<Find> earlier = earlier_finds_;
+  std::size_t counted = keyframes;
+  std::ptrdiff_t agreeing = 0, witnesses = sound ? 1 : 0;
+  double log_odds = answer.log_odds;
+  for (const Find& other : earlier_finds_) {
+    if (!agree(other.map_from_predicted, answer.map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
+    ++agreeing;
+    if (other.keyframes == counted) continue;  // a robot that stands sees the same again
+    counted = other.keyframes;
+    log_odds += kOfAnother * other.log_odds;
+    witnesses += other.sound ? 1 : 0;
+  }
   std::vector<Pose> places = rivals_of(answer);
   // What is likely, though not proven to be the largest consensus, is a rival of later finds.
   if ((found && !(planar && answer.little)) || (!planar && answer.log_odds > kDoubtful))
@@ -211,17 +221,6 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     return;
   }
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
-  std::size_t counted = keyframes;
-  std::ptrdiff_t agreeing = 0, witnesses = sound ? 1 : 0;
-  double log_odds = answer.log_odds;
-  for (const Find& other : earlier) {
-    if (!agree(other.map_from_predicted, answer.map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
-    ++agreeing;
-    if (other.keyframes == counted) continue;  // a robot that stands sees the same again
-    counted = other.keyframes;
-    log_odds += kOfAnother * other.log_odds;
-    witnesses += other.sound ? 1 : 0;
-  }
   if (answer.contradiction > kImpossible) log_odds = std::min(log_odds, kDoubtful);
   // Of the few points of such a sensor the odds say little: so many finds that agree are believed.
   if (planar) log_odds = !answer.little && agreeing >= kPlanarAgreeing ? kBelieved : 0;
