@@ -22,6 +22,7 @@ namespace scanlock {
 namespace {
 
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
+constexpr std::uint32_t kHorizontal = 0b000011;  // x, y
 // Share of the median range, and angle, that an alignment with the far reach covers around its start.
 constexpr double kWithinReach = 0.08, kWithinTurn = 5.0 * kDegree;
 constexpr double kDegradedShare = 0.4;  // of the points of a scan: with fewer inliers it is DEGRADED
@@ -60,7 +61,7 @@ struct Tracker::State {
 
   AlignmentCheck check;
   // At the last trusted scan its position was not known along some axis, as in a tunnel: once it is lost
-  // there is no place to come back to.
+  // there is no place to come back to. Where only the heading was unknown, behind a cover, there is.
   bool open = false;
   // When the active submap began so: until it is joined its poses are as uncertain as the place was. After
   // new_map_after_s they are those of a new epoch.
@@ -199,7 +200,7 @@ struct Tracker::State {
 
   void trust(const PreparedScan& scan, const Attempt& attempt) {
     odometer->accept(attempt);
-    open = unknown_axes(odometer->pose_covariance(), kOnTheGround, kSamePlace, kSameHeading) != 0;
+    open = unknown_axes(odometer->pose_covariance(), kHorizontal, kSamePlace) != 0;
     // What the map explains little of, a crowd or dust, may be gone the next moment.
     check.trust(time.now(), scan, odometer->state(), attempt.health.share >= kDegradedShare);
     state = TrackingState::kTracking;

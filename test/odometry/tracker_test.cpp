@@ -502,6 +502,31 @@ TEST_CASE("a pose that is told ends the uncertainty of a map that began where th
   CHECK(tracked.state == TrackingState::kTracking);
 }
 
+TEST_CASE("a robot that knew where it stood, but not its heading, looks for its place when it is lost") {
+  const auto silo = [](int k, int points) {  // seen from its middle, the same in all headings
+    std::mt19937 random(static_cast<unsigned>(k));
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    Scan scan{Drive::utime(k), {}};
+    for (int i = 0; i < points; ++i) {
+      const double height = uniform(random), bearing = kPi * uniform(random);
+      const bool on_ground = i % 3 == 0;
+      const double range = on_ground ? 1.25 * (height + 1) : 2.5 + 0.05 * uniform(random);
+      scan.points.push_back(
+          Eigen::Vector3d(range * std::cos(bearing), range * std::sin(bearing), on_ground ? -1 : 2 * height)
+              .cast<float>());
+    }
+    return scan;
+  };
+  const Frame frame = each_frame();
+  FramedTracker tracker(TrackerConfig{}, frame);
+  TrackedScan tracked;
+  for (int i = 0; i < 40; ++i) tracked = tracker.track(silo(i, i < 20 ? 1500 : 100));  // then it is covered
+  REQUIRE(tracked.degenerate_axes == 0b100000);
+  const Drive hall(at(-6, -1, 0), twist(1, 0, 0));
+  for (int i = 40; i < 45; ++i) tracked = tracker.track(hall.scan(i));
+  CHECK(tracked.state == TrackingState::kRecovering);
+}
+
 TEST_CASE("in a tunnel odometry says how far the robot went" * doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   // It brakes where nothing shows it, and stands.
