@@ -11,7 +11,6 @@
 #include "geometry/angles.hpp"
 #include "geometry/linear.hpp"
 #include "geometry/voxel_grid.hpp"
-#include "global/hypothesis.hpp"
 #include "odometry/tracking_promise.hpp"
 
 namespace scanlock {
@@ -57,8 +56,8 @@ Contest::Contest(const std::vector<Pose>& map_from_predicted, double log_odds) {
     places_.back().winners_share = kWinnersShare;
   }
   Place& favourite = places_.front();
-  favourite.likely = log_odds > kDoubtful;
-  if (log_odds >= kBelieved)
+  favourite.believed = log_odds >= kBelieved;
+  if (favourite.believed)
     favourite.least_share = favourite.winners_share = log_odds >= kSure ? kKnownShare : kBelievedShare;
 }
 
@@ -141,9 +140,10 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
   };
   const auto fits = [&](const Attempt& attempt) {
     // What the robot has seen on its way explains the scan, too: a place that does so much worse is another.
-    // But a map of another sensor or day explains scans less well, which says nothing against a likely place.
-    return explains(attempt, place.likely ? std::numeric_limits<double>::infinity() : kCalmScore) &&
-           (expected_ || place.likely ||
+    // But a map of another sensor or day explains scans less well, which says nothing against one that is
+    // believed.
+    return explains(attempt, place.believed ? std::numeric_limits<double>::infinity() : kCalmScore) &&
+           (expected_ || place.believed ||
             attempt.health.energy <= kHopeless * attempt.health.baseline + kAtLeast) &&
            attempt.health.share >= place.least_share * usual(attempt) &&
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);

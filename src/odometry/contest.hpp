@@ -50,7 +50,7 @@ class Contest {
     Pose map_from_predicted;
     double least_share = 0, winners_share = 0;  ///< of the usual share of inliers, to fit, and to win
     int missed = 0;
-    bool likely = false;      ///< more than not
+    bool believed = false;    ///< by its odds
     bool standing = false;    ///< see note_standing()
     bool fits = false;        ///< the last scan
     bool could_win = false;   ///< by it

@@ -224,8 +224,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   if (answer.contradiction > kImpossible) log_odds = std::min(log_odds, kDoubtful);
   // Of the few points of such a sensor the odds say little: so many finds that agree are believed.
   if (planar) log_odds = !answer.little && agreeing >= kPlanarAgreeing ? kBelieved : 0;
-  // A map that was loaded need not show the place at all.
-  const bool scans_decide = !planar && agreeing >= kAgreeing && (last_seen_ || log_odds > kDoubtful);
+  // A map that was loaded need not show the place at all: there the odds alone decide.
+  const bool scans_decide = !planar && agreeing >= kAgreeing && last_seen_;
   if (log_odds < kBelieved && !scans_decide) {
     ended_ = recovery_of(answer);
     ended_->reason.insert(0, planar ? "more searches have to agree: " : "a second search has to agree: ");
