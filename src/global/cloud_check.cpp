@@ -130,8 +130,9 @@ CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose&
   fit.overlap = std::max(there.overlap, back.overlap);
   fit.least_overlap = std::min(there.overlap, back.overlap);
   fit.steep = there.steep + back.steep;
-  if (whose == ContradictionOf::kBoth)
-    fit.contradiction = share(there.through + back.through, there.compared() + back.compared());
+  fit.missing = share(back.through, back.through + back.distances.size());
+  if (whose == ContradictionOf::kSource)
+    fit.contradiction = share(there.through, there.through + there.distances.size());
   else
     fit.contradiction =
         std::max(share(there.through, there.compared()), share(back.through, back.compared()));

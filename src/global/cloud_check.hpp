@@ -27,6 +27,7 @@ struct CloudFit {
   /// the latter (see ContradictionOf). Points of moving objects, which other rays of their own cloud crossed,
   /// are not counted.
   double contradiction = 0;
+  double missing = 0;  ///< of the target's points, the share that the source's rays went through, likewise
   double least_overlap = 0;  ///< as overlap, but the smaller share of the two directions
   std::size_t steep = 0;     ///< points of steep surfaces that the contradiction or the overlap counts
 };
@@ -34,8 +35,8 @@ struct CloudFit {
 /// The cloud whose points the contradiction is counted over.
 enum class ContradictionOf {
   kWorse,  ///< the cloud with the greater share: for two clouds of one kind
-  kBoth  ///< both clouds together: few points of a map are where a scan's rays went, so their share alone is
-         ///< uncertain
+  kSource  ///< the source, among all of its points that the target tells anything of: for what a robot sees
+           ///< in a map, of which few points are where its rays went, and some are of what has moved since
 };
 
 /// A described cloud made ready to be compared with others.

@@ -130,7 +130,7 @@ void CloudPair::index_clouds() {
 }
 
 CloudFit CloudPair::fit(const Pose& pose) const {
-  const auto whose = judged_ ? ContradictionOf::kWorse : ContradictionOf::kBoth;
+  const auto whose = judged_ ? ContradictionOf::kWorse : ContradictionOf::kSource;
   return compare(*source_check_, *target_check_, pose, whose);
 }
 

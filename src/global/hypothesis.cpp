@@ -16,8 +16,8 @@ constexpr double kPriceOfContradiction = 4;  // of overlap
 constexpr double kRivalOverlap = 0.75;       // of the best pose's
 constexpr double kRefuted = 0.06;            // contradiction
 // See log_odds().
-constexpr double kOddsOfNothing = -14.9, kOddsOfOverlap = 24.5, kOddsOfLead = 20.5,
-                 kOddsOfContradiction = 50.9, kMostTold = 0.2;
+constexpr double kOddsOfNothing = -7.6, kOddsOfOverlap = 13.6, kOddsOfLead = 27.5,
+                 kOddsOfContradiction = 77.1, kNoRival = 0.2, kMostTold = 0.2;
 
 }  // namespace
 
@@ -31,13 +31,11 @@ double score(const CloudFit& fit) {
 }
 
 double log_odds(const CloudFit& fit, const std::vector<CloudFit>& others) {
-  double lead = fit.overlap < kSomeOverlap ? 0 : 1;
-  for (const CloudFit& other : others)
-    if (other.overlap >= kSomeOverlap) lead = std::min(lead, score(fit) - score(other));
-  const double odds = kOddsOfNothing + kOddsOfOverlap * fit.overlap + kOddsOfLead * lead -
+  double rival = kNoRival;
+  for (const CloudFit& other : others) rival = std::max(rival, score(other));
+  const double odds = kOddsOfNothing + kOddsOfOverlap * fit.overlap + kOddsOfLead * (score(fit) - rival) -
                       kOddsOfContradiction * std::sqrt(std::min(fit.contradiction, kMostTold));
-  const double told = odds * std::min(1.0, static_cast<double>(fit.steep) / kFewSteep);
-  return fit.contradiction > kImpossible ? std::min(told, kDoubtful) : told;
+  return odds * std::min(1.0, static_cast<double>(fit.steep) / kFewSteep);
 }
 
 bool clearly_worse(const CloudFit& other, const CloudFit& best) {

@@ -29,15 +29,13 @@ double score(const CloudFit& fit);
 inline constexpr double kSomeOverlap = 0.3;
 /// Contradiction: right poses hardly ever have more than 0.01.
 inline constexpr double kImpossible = 0.03;
-/// Log odds of a pose with more, at most: about even.
-inline constexpr double kDoubtful = 0.5;
 /// Logarithm of the odds that the best pose of a search is right rather than that the map does not show the
 /// place, at even odds before (between rivals the scans that follow decide), by its fit and those of the
 /// others: a logistic model of the overlap, the square root of the contradiction, and the lead in score over
-/// its rivals (1 where there is none, 0 where it would be none itself). Fitted to 475 searches that had found
-/// the place and 1381 in maps that do not show it, in towns, rooms, woods and car parks of two simulators: of
-/// the latter none had more than 5.3 (200 to 1), of the former 80 %. Fewer than kFewSteep points of steep
-/// surfaces say less, by their share. Above kImpossible it is about even at most.
+/// the best rival (one of 0.2 where there is none). Fitted to 476 searches that had found
+/// the place and 1480 in maps that do not show it, in towns, rooms, woods and car parks of two simulators: of
+/// the latter none had more than 4.2, of the former 90 %. Fewer than kFewSteep points of steep
+/// surfaces say less, by their share.
 double log_odds(const CloudFit& fit, const std::vector<CloudFit>& others);
 /// Whether a pose of the fit `other` is ruled out beside one of the fit `best`: by less overlap, or
 /// contradicted.

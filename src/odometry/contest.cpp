@@ -16,19 +16,17 @@
 namespace scanlock {
 namespace {
 
-// Of the usual share of inliers, what a place has to have to be a rival, and what to win: rooms that look
-// alike have 0.85 to 0.93. Where searches leave little doubt, more of what is seen may be new ground.
-constexpr double kUsualShare = 0.9, kWinnersShare = 0.95, kBelievedShare = 0.65, kKnownShare = 0.3;
+// Of the usual share of inliers, what a place has to have to fit: rooms that look alike have 0.85 to 0.93. Of
+// what is seen at a place that a search believes, or that nothing contradicts, the rest may be new ground.
+constexpr double kUsualShare = 0.9, kKnownShare = 0.3;
 constexpr double kUnknownShare = 0.5;  // the usual one, before a second scan
 constexpr int kWins = 3;               // scans in a row
 constexpr int kMissesAllowed = 1;
 // What the excursion has drifted since the search may be farther off than an alignment reaches that looks
 // near. So many places are looked for farther off on one scan, for it takes time; all are in kWins scans.
 constexpr int kFarLooks = 2;
-constexpr int kMostScans = 8;      // scans in which it has to be decided
-constexpr double kClearly = 3;     // standard deviations: one in a thousand
-constexpr double kHopeless = 2.0;  // times the energy on the way, and
-constexpr double kAtLeast = 0.03;  // that much more: another place
+constexpr int kMostScans = 8;   // scans in which it has to be decided
+constexpr double kClearly = 3;  // standard deviations: one in a thousand
 
 /// Whether two corrections put a body that is predicted there to about the same pose. (Their own translations
 /// say nothing: they grow with the distance from the map's origin.)
@@ -48,23 +46,19 @@ bool is_open(const Attempt& attempt) {
 
 }  // namespace
 
-Contest::Contest(const std::vector<Pose>& map_from_predicted, double log_odds) {
+Contest::Contest(const std::vector<Pose>& map_from_predicted) {
   for (const Pose& pose : map_from_predicted) {
     places_.emplace_back();
     places_.back().map_from_predicted = pose;
     places_.back().least_share = kUsualShare;
-    places_.back().winners_share = kWinnersShare;
   }
-  Place& favourite = places_.front();
-  favourite.believed = log_odds >= kBelieved;
-  if (favourite.believed)
-    favourite.least_share = favourite.winners_share = log_odds >= kSure ? kKnownShare : kBelievedShare;
+  places_.front().least_share = kKnownShare;
 }
 
 Contest Contest::expected_at(const Pose& map_from_predicted, int wins) {
-  Contest contest({map_from_predicted}, 0);
+  Contest contest({map_from_predicted});
   Place& place = contest.places_.front();
-  place.winners_share = kUsualShare;
+  place.least_share = kUsualShare;
   place.tried = wins > 0;
   contest.wins_ = wins;
   contest.expected_ = true;
@@ -139,12 +133,9 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
     return attempt.health.usual_share > 0 ? attempt.health.usual_share : kUnknownShare;
   };
   const auto fits = [&](const Attempt& attempt) {
-    // What the robot has seen on its way explains the scan, too: a place that does so much worse is another.
-    // But a map of another sensor or day explains scans less well, which says nothing against one that is
-    // believed.
-    return explains(attempt, place.believed ? std::numeric_limits<double>::infinity() : kCalmScore) &&
-           (expected_ || place.believed ||
-            attempt.health.energy <= kHopeless * attempt.health.baseline + kAtLeast) &&
+    // A map of another sensor or day explains scans less well, which says nothing against what a search
+    // found.
+    return explains(attempt, expected_ ? kCalmScore : std::numeric_limits<double>::infinity()) &&
            attempt.health.share >= place.least_share * usual(attempt) &&
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   };
@@ -159,7 +150,6 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
       place.explained_points = odometer.explained();
     }
   }
-  place.could_win = place.attempt.health.share >= place.winners_share * usual(place.attempt);
   place.fits = fits(place.attempt);
   if (place.fits) {
     place.map_from_predicted = renormalised(place.attempt.alignment.moving.pose * predicted.pose.inverse());
@@ -195,18 +185,14 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
   if (clear && !expected_ && is_open(leader.attempt)) return Outcome::kUndecided;
   const bool same =
       !led || same_place(led_by, leader.map_from_predicted, excursion.state().pose, 1.0, 6.0 * kDegree);
-  wins_ = !clear || !leader.could_win ? 0 : same ? wins_ + 1 : 1;
+  wins_ = !clear ? 0 : same ? wins_ + 1 : 1;
   if (wins_ >= kWins) return Outcome::kWon;
-  ++scans_;
-  // What keeps a place without rivals from winning is that the map knows too little: another search is due.
-  const bool in_vain = places_.size() == 1 && wins_ == 0 && scans_ >= kWins;
-  return in_vain || scans_ >= kMostScans ? Outcome::kUndecided : Outcome::kOpen;
+  return ++scans_ >= kMostScans ? Outcome::kUndecided : Outcome::kOpen;
 }
 
 const char* Contest::why_undecided() const {
-  if (places_.size() > 1) return "the scans that followed fit several places alike";
-  if (is_open(attempt())) return "the scans that followed leave a motion open";
-  return "the map knows too little of the scans that followed";
+  return places_.size() > 1 ? "the scans that followed fit several places alike"
+                            : "the scans that followed leave a motion open";
 }
 
 std::vector<Pose> Contest::places() const {

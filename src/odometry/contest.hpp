@@ -22,9 +22,8 @@ class Contest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
-  /// Corrections of predicted poses, the best first, and its log odds: the higher, the less scans have to say
-  /// for it.
-  Contest(const std::vector<Pose>& map_from_predicted, double log_odds);
+  /// Corrections of predicted poses: first the one that searches believe, which the map need not show all of.
+  explicit Contest(const std::vector<Pose>& map_from_predicted);
   /// A single hypothesis at which the robot is expected, without a search. `wins`: scans that it has
   /// explained already.
   static Contest expected_at(const Pose& map_from_predicted, int wins);
@@ -48,12 +47,10 @@ class Contest {
  private:
   struct Place {
     Pose map_from_predicted;
-    double least_share = 0, winners_share = 0;  ///< of the usual share of inliers, to fit, and to win
+    double least_share = 0;  ///< of the usual share of inliers, to fit
     int missed = 0;
-    bool believed = false;    ///< by its odds
     bool standing = false;    ///< see note_standing()
     bool fits = false;        ///< the last scan
-    bool could_win = false;   ///< by it
     bool tried = false;       ///< it has fitted
     bool looked_far = false;  ///< or was looked for farther off
     Attempt attempt;

@@ -137,7 +137,9 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   RecoveryAnswer answer;
   answer.serial = request.serial;
   answer.utime = request.utime;
+  answer.voxel = request.target.voxel;
   answer.contradiction = found.fit.contradiction;
+  answer.missing = found.fit.missing;
   answer.certified = found.solution.certified;
   if (answer.certified && found.verdict != GlobalVerdict::kNoOverlap) answer.verdict = PlaceVerdict::kFound;
   answer.little = found.fit.overlap < kLittleOverlap;

@@ -57,17 +57,16 @@ inline constexpr double kSamePlace = 0.5, kSameHeading = 3.0 * kDegree;
 /// The axes that tell places apart, as bits (see Degeneracy): x, y and yaw.
 inline constexpr std::uint32_t kOnTheGround = 0b100011;
 
-/// Earlier finds that have to say the same as one which is not believed by itself; with a planar sensor one
-/// room is soon like another.
+/// Earlier finds that have to say the same before two submaps are joined; with a planar sensor, whose rooms
+/// are soon like one another, also before a place is believed.
 inline constexpr std::ptrdiff_t kAgreeing = 1, kPlanarAgreeing = 3;
 /// Of what was seen, the share that contradicts a place (see CloudFit) which is sound nevertheless.
 inline constexpr double kSoundContradiction = 0.015;
-/// Searches from different keyframes that name a place which is sound, so that much of what is seen may be
-/// new ground there.
-inline constexpr std::ptrdiff_t kWitnesses = 3;
-/// Log odds (see CloudRegistration) by all searches from different keyframes that name a place, from which it
-/// is believed, and sure: one search in 200 of a map that does not show the place, and one in 10,000.
-inline constexpr double kBelieved = 5.3, kSure = 9.2;
+/// Log odds (see CloudRegistration) by all searches that name a place, with those before them, from which it
+/// is believed: less than one search in 1000 of a map that does not show the place.
+inline constexpr double kBelieved = 4.5;
+/// Log odds before any search that a robot lost in a map of its own is somewhere in it: 12 to 1.
+inline constexpr double kInOwnMap = 2.5;
 /// Places that are tried at once, and finds that are remembered: caps on their cost.
 inline constexpr std::size_t kMostPlaces = 5, kMostFinds = 20;
 
@@ -87,7 +86,9 @@ struct RecoveryAnswer {
   /// Of the largest consensus, which need not be at the likeliest place.
   int matches = 0, matches_kept = 0, consensus = 0, upper_bound = 0, runner_up_consensus = 0;
   bool certified = false;
+  double voxel = 0;          ///< metres, as requested
   double contradiction = 0;  ///< see CloudFit; of the likeliest place
+  double missing = 0;        ///< the same
   double log_odds = 0;       ///< see CloudRegistration; of the likeliest place
   bool little = false;       ///< most of what was seen is not there
   std::string reason;

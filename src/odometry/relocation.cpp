@@ -191,29 +191,20 @@ std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, cons
 void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
                       Odometer& odometer) {
   const bool found = answer.verdict == PlaceVerdict::kFound;
-  // What something contradicts may be right, and does not keep the search from looking elsewhere.
-  const bool likely = answer.log_odds > kDoubtful || (found && answer.contradiction <= kClearContradiction);
+  // A map that was loaded need not show the place at all, nor stand as it did.
+  const double before = last_seen_ ? kInOwnMap : 0;
+  if (last_seen_ && answer.missing > kImpossible) answer.log_odds = std::min(answer.log_odds, -before);
+  const bool likely = answer.log_odds + before > 0;
   if (!search_.take(answer.serial, likely, answer.little, answer.cost_s) || !lost_ || !excursion_) return;
   nothing_found_ = !found;
   const bool planar = excursion_->planar();
-  const bool sound = found && !planar && answer.contradiction <= kSoundContradiction;
-  const std::size_t keyframes = excursion_->seen().keyframes().size();
-  std::size_t counted = keyframes;
-  std::ptrdiff_t agreeing = 0, witnesses = sound ? 1 : 0;
-  double log_odds = answer.log_odds;
-  for (const Find& other : earlier_finds_) {
-    if (!agree(other.map_from_predicted, answer.map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
-    ++agreeing;
-    if (other.keyframes == counted) continue;  // a robot that stands sees the same again
-    counted = other.keyframes;
-    log_odds += kOfAnother * other.log_odds;
-    witnesses += other.sound ? 1 : 0;
-  }
+  const Find find{answer.map_from_predicted, answer.log_odds, excursion_->seen().keyframes().size(),
+                  answer.voxel};
+  const Support support = support_of(find);
   std::vector<Pose> places = rivals_of(answer);
   // What is likely, though not proven to be the largest consensus, is a rival of later finds.
-  if ((found && !(planar && answer.little)) || (!planar && answer.log_odds > kDoubtful))
-    earlier_finds_.insert(earlier_finds_.begin(),
-                          {answer.map_from_predicted, answer.log_odds, sound, keyframes});
+  if ((found && !(planar && answer.little)) || (!planar && likely))
+    earlier_finds_.insert(earlier_finds_.begin(), find);
   if (earlier_finds_.size() > kMostFinds) earlier_finds_.pop_back();
   if (!found) {
     if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
@@ -221,25 +212,36 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     return;
   }
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
-  if (answer.contradiction > kImpossible) log_odds = std::min(log_odds, kDoubtful);
+  double log_odds = before + support.log_odds;
   // Of the few points of such a sensor the odds say little: so many finds that agree are believed.
-  if (planar) log_odds = !answer.little && agreeing >= kPlanarAgreeing ? kBelieved : 0;
-  // A map that was loaded need not show the place at all: there the odds alone decide.
-  const bool scans_decide = !planar && agreeing >= kAgreeing && last_seen_;
-  if (log_odds < kBelieved && !scans_decide) {
+  if (planar) log_odds = !answer.little && support.agreeing >= kPlanarAgreeing ? kBelieved : 0;
+  if (log_odds < kBelieved) {
     ended_ = recovery_of(answer);
-    ended_->reason.insert(0, planar ? "more searches have to agree: " : "a second search has to agree: ");
+    ended_->reason.insert(0, "more searches have to agree: ");
     return;
   }
   places.insert(places.begin(), answer.map_from_predicted);
   cover(places, archive, voxel, odometer);
-  // The odds are those that the map shows the place: which of several it is, scans have to tell.
-  if (places.size() > 1) log_odds = std::min(log_odds, kBelieved);
-  // Of a place of which the map shows a part they say little.
-  if (sound && witnesses >= kWitnesses) log_odds = kSure;
-  Contest contest(places, log_odds);
+  Contest contest(places);
   for (const Pose& standing : answer.standing) contest.note_standing(standing, *excursion_);
   candidate_ = Candidate{std::move(contest), std::move(answer)};
+}
+
+/// A search from the same keyframe on the same scale says the same again.
+Relocation::Support Relocation::support_of(const Find& newest) const {
+  Support support{newest.log_odds, 0};
+  std::vector<const Find*> counted{&newest};
+  for (const Find& other : earlier_finds_) {
+    if (!agree(other.map_from_predicted, newest.map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
+    ++support.agreeing;
+    const auto says_the_same = [&](const Find* f) {
+      return f->keyframes == other.keyframes && f->voxel == other.voxel;
+    };
+    if (std::any_of(counted.begin(), counted.end(), says_the_same)) continue;
+    counted.push_back(&other);
+    support.log_odds += kOfAnother * other.log_odds;
+  }
+  return support;
 }
 
 /// Scans decide fairly between places only in a map that knows all of them. What is archived is thinner than
@@ -272,7 +274,7 @@ std::vector<Pose> Relocation::rivals_of(const RecoveryAnswer& answer) const {
   };
   for (const Pose& place : undecided_) add(place);
   for (const Find& find : earlier_finds_)
-    if (find.log_odds > kDoubtful) add(find.map_from_predicted);
+    if (find.log_odds > 0) add(find.map_from_predicted);
   for (const Pose& place : answer.rivals) add(place);
   for (const Find& find : earlier_finds_) add(find.map_from_predicted);
   return rivals;

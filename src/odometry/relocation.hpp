@@ -86,8 +86,13 @@ class Relocation {
   struct Find {
     Pose map_from_predicted;
     double log_odds;
-    bool sound;             ///< nothing contradicts it
     std::size_t keyframes;  ///< that the excursion had by then
+    double voxel;           ///< metres: the search's scale
+  };
+  /// What all searches say for a place.
+  struct Support {
+    double log_odds;
+    int agreeing;  ///< earlier finds of the same place
   };
   void depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer);
   void feel(std::int64_t utime, const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
@@ -96,6 +101,7 @@ class Relocation {
   void follow_excursion(double dt, Odometer& odometer) const;
   void cover(const std::vector<Pose>& places, const KeyframeArchive& archive, double voxel,
              Odometer& odometer);
+  Support support_of(const Find& newest) const;
   std::vector<Pose> rivals_of(const RecoveryAnswer& answer) const;
   bool agree(const Pose& a, const Pose& b, double metres, double radians) const;
   Recovery recovery_of(const RecoveryAnswer& answer) const;

@@ -27,8 +27,7 @@ TEST_CASE("the odds of a pose grow with overlap and lead, and fall with contradi
   }
   for (double contradiction = 0; contradiction < 0.2; contradiction += 0.01) {
     const double odds = log_odds(fit_of(0.8, contradiction), rival);
-    CHECK(odds < log_odds(fit_of(0.8, 0), {}));
-    CHECK(odds <= last);
+    if (contradiction > 0) CHECK(odds < last);
     last = odds;
   }
   // What is seen in rooms that the map does not show, and in those that it does.
@@ -36,18 +35,16 @@ TEST_CASE("the odds of a pose grow with overlap and lead, and fall with contradi
   CHECK(log_odds(fit_of(0.85, 0.004), {fit_of(0.6, 0.02)}) > 5.3);
 }
 
-TEST_CASE("what hardly overlaps is no rival, and has no lead") {
+TEST_CASE("what hardly overlaps is no rival") {
   const CloudFit right = fit_of(0.6, 0.01);
-  CHECK(log_odds(right, {fit_of(0.29, 0)}) == log_odds(right, {}));
+  CHECK(log_odds(right, {fit_of(0.19, 0)}) == log_odds(right, {}));
   CHECK(log_odds(right, {fit_of(0.31, 0)}) < log_odds(right, {}));
   CHECK(log_odds(fit_of(0.05, 0), {}) < -5);
 }
 
-TEST_CASE("few points of steep surfaces say little, and what is contradicted is about even at most") {
+TEST_CASE("few points of steep surfaces say little") {
   CHECK(log_odds(fit_of(1, 0, 10), {}) == doctest::Approx(0.1 * log_odds(fit_of(1, 0), {})));
   CHECK(log_odds(fit_of(1, 0, 0), {}) == 0);
-  CHECK(log_odds(fit_of(0.9, 0.031), {}) == doctest::Approx(0.5));
-  CHECK(log_odds(fit_of(0.9, 0.029), {}) > 5.3);
   CHECK(log_odds(fit_of(0.3, 0.3), {fit_of(0.3, 0.3)}) < -20);
 }
 
