@@ -17,7 +17,7 @@ constexpr double kRivalOverlap = 0.75;       // of the best pose's
 constexpr double kRefuted = 0.06;            // contradiction
 // See log_odds().
 constexpr double kOddsOfNothing = -7.6, kOddsOfOverlap = 13.6, kOddsOfLead = 27.5,
-                 kOddsOfContradiction = 77.1, kNoRival = 0.2, kMostTold = 0.2;
+                 kOddsOfContradiction = 77.1, kLeastRival = 0.2, kMostTold = 0.2;
 
 }  // namespace
 
@@ -31,7 +31,7 @@ double score(const CloudFit& fit) {
 }
 
 double log_odds(const CloudFit& fit, const std::vector<CloudFit>& others) {
-  double rival = kNoRival;
+  double rival = kLeastRival;
   for (const CloudFit& other : others) rival = std::max(rival, score(other));
   const double odds = kOddsOfNothing + kOddsOfOverlap * fit.overlap + kOddsOfLead * (score(fit) - rival) -
                       kOddsOfContradiction * std::sqrt(std::min(fit.contradiction, kMostTold));
