@@ -55,6 +55,10 @@ bool CloudCheck::contradicts(const CloudCheck& from, std::size_t sample, const E
   return !from.moved_[sample] && space_.is_crossed(p, rotation * from.cloud_.normal(from.samples_[sample]));
 }
 
+double CloudCheck::OneWay::crossed() const {
+  return share(through, through + distances.size());
+}
+
 CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck& to,
                                        const Pose& to_from_from) {
   const Eigen::Matrix3f rotation = to_from_from.linear().cast<float>();
@@ -130,9 +134,9 @@ CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose&
   fit.overlap = std::max(there.overlap, back.overlap);
   fit.least_overlap = std::min(there.overlap, back.overlap);
   fit.steep = there.steep + back.steep;
-  fit.missing = share(back.through, back.through + back.distances.size());
+  fit.missing = back.crossed();
   if (whose == ContradictionOf::kSource)
-    fit.contradiction = share(there.through, there.through + there.distances.size());
+    fit.contradiction = there.crossed();
   else
     fit.contradiction =
         std::max(share(there.through, there.compared()), share(back.through, back.compared()));

@@ -27,7 +27,9 @@ struct CloudFit {
   /// the latter (see ContradictionOf). Points of moving objects, which other rays of their own cloud crossed,
   /// are not counted.
   double contradiction = 0;
-  double missing = 0;  ///< of the target's points, the share that the source's rays went through, likewise
+  /// Of the target's points that are near a surface of the source or in space that its rays crossed, the
+  /// share of the latter.
+  double missing = 0;
   double least_overlap = 0;  ///< as overlap, but the smaller share of the two directions
   std::size_t steep = 0;     ///< points of steep surfaces that the contradiction or the overlap counts
 };
@@ -65,6 +67,8 @@ class CloudCheck {
     std::size_t on = 0, through = 0, steep = 0;  // samples; the last of both
     std::vector<float> distances;
     std::size_t compared() const { return on + through; }
+    /// Of all points that are near any surface or where rays went, the share of the latter.
+    double crossed() const;
   };
   /// Whether rays of this cloud went through a sample of the other, which is at p here.
   bool contradicts(const CloudCheck& from, std::size_t sample, const Eigen::Vector3f& p,

@@ -32,10 +32,10 @@ inline constexpr double kImpossible = 0.03;
 /// Logarithm of the odds that the best pose of a search is right rather than that the map does not show the
 /// place, at even odds before (between rivals the scans that follow decide), by its fit and those of the
 /// others: a logistic model of the overlap, the square root of the contradiction, and the lead in score over
-/// the best rival (one of 0.2 where there is none). Fitted to 476 searches that had found
-/// the place and 1480 in maps that do not show it, in towns, rooms, woods and car parks of two simulators: of
-/// the latter none had more than 4.2, of the former 90 %. Fewer than kFewSteep points of steep
-/// surfaces say less, by their share.
+/// the best rival (one of 0.2 where there is none). Fitted to 476 searches that had found the place and 1480
+/// in maps that do not show it, in towns, rooms, woods and car parks of two simulators: of the latter none
+/// had more than 4.2, of the former 90 %. Fewer than kFewSteep points of steep surfaces say less, by their
+/// share.
 double log_odds(const CloudFit& fit, const std::vector<CloudFit>& others);
 /// Whether a pose of the fit `other` is ruled out beside one of the fit `best`: by less overlap, or
 /// contradicted.

@@ -129,14 +129,12 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
   MotionPrior prior;
   prior.mean = {renormalised(place.map_from_predicted * predicted.pose), predicted.twist};
   prior.information = prior_information(metres, radians, excursion.covariance());
-  const auto usual = [](const Attempt& attempt) {
-    return attempt.health.usual_share > 0 ? attempt.health.usual_share : kUnknownShare;
-  };
   const auto fits = [&](const Attempt& attempt) {
+    const double usual = attempt.health.usual_share > 0 ? attempt.health.usual_share : kUnknownShare;
     // A map of another sensor or day explains scans less well, which says nothing against what a search
     // found.
     return explains(attempt, expected_ ? kCalmScore : std::numeric_limits<double>::infinity()) &&
-           attempt.health.share >= place.least_share * usual(attempt) &&
+           attempt.health.share >= place.least_share * usual &&
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   };
   place.attempt = odometer.align(scan, prior, Reach::kNear);

@@ -59,8 +59,12 @@ TEST_CASE("a wall that the other cloud's rays went through contradicts") {
   CHECK(same.contradiction == 0);
   CHECK(fit(half_room(right), room(left)).contradiction > 0.1);
   CHECK(fit(room(left), half_room(right)).contradiction > 0.1);
-  CHECK(fit(half_room(right), room(left), ContradictionOf::kSource).contradiction > 0.1);
-  CHECK(fit(room(left), half_room(right), ContradictionOf::kSource).contradiction == 0);
+  const CloudFit new_wall = fit(half_room(right), room(left), ContradictionOf::kSource);
+  CHECK(new_wall.contradiction > 0.1);
+  CHECK(new_wall.missing == 0);
+  const CloudFit no_wall = fit(room(left), half_room(right), ContradictionOf::kSource);
+  CHECK(no_wall.contradiction == 0);
+  CHECK(no_wall.missing > 0.1);
 }
 
 TEST_CASE("what its own cloud saw through has moved, and contradicts nothing") {

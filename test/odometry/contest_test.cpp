@@ -14,7 +14,6 @@ using namespace scanlock;
 namespace {
 
 const Pose kThere(Eigen::Translation3d(40, 0, 0));
-constexpr float kKnownFrom = -5.75f;  // metres: most of the hall
 
 struct Ending {
   Contest::Outcome outcome;
