@@ -227,21 +227,23 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   candidate_ = Candidate{std::move(contest), std::move(answer)};
 }
 
-/// A search from the same keyframe on the same scale says the same again.
+/// In whatever order they came. A search from the same keyframe on the same scale says the same again.
 Relocation::Support Relocation::support_of(const Find& newest) const {
-  Support support{newest.log_odds, 0};
+  double sum = newest.log_odds, most = newest.log_odds;
+  int agreeing = 0;
   std::vector<const Find*> counted{&newest};
   for (const Find& other : earlier_finds_) {
     if (!agree(other.map_from_predicted, newest.map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
-    ++support.agreeing;
+    ++agreeing;
     const auto says_the_same = [&](const Find* f) {
       return f->keyframes == other.keyframes && f->voxel == other.voxel;
     };
     if (std::any_of(counted.begin(), counted.end(), says_the_same)) continue;
     counted.push_back(&other);
-    support.log_odds += kOfAnother * other.log_odds;
+    sum += other.log_odds;
+    most = std::max(most, other.log_odds);
   }
-  return support;
+  return {most + kOfAnother * (sum - most), agreeing};
 }
 
 /// Scans decide fairly between places only in a map that knows all of them. What is archived is thinner than

@@ -35,17 +35,18 @@ struct Displaced {
   }
 
   /// False: it was not asked.
-  bool propose(unsigned i, const Pose& rival) {
+  bool propose(unsigned i, const std::vector<Pose>& rivals, double log_odds = kBelieved, double voxel = 0.1) {
     const auto request = relocation.take_request(100000 * i, archive, std::nullopt);
     if (!request) return false;
     RecoveryAnswer answer;
     answer.serial = request->serial;
     answer.utime = request->utime;
     answer.verdict = PlaceVerdict::kFound;
-    answer.log_odds = kBelieved;
+    answer.log_odds = log_odds;
+    answer.voxel = voxel;
     answer.certified = true;
     answer.map_from_predicted = lost.inverse();
-    answer.rivals = {rival * lost.inverse()};
+    for (const Pose& rival : rivals) answer.rivals.push_back(rival * lost.inverse());
     relocation.give(answer, archive, first.voxel, odometer);
     return true;
   }
@@ -57,7 +58,7 @@ struct Displaced {
     Attempt attempt;
     for (unsigned i = 1; i < 40 && outcome == Relocation::Outcome::kLost; ++i) {
       outcome = relocation.follow(100000 * i, 0.1, hall.scan(i), odometer, &attempt);
-      if (!proposed) proposed = propose(i, rival);
+      if (!proposed) proposed = propose(i, {rival});
     }
     REQUIRE(proposed);
     return outcome;
@@ -91,4 +92,26 @@ TEST_CASE("a rival that the archive does not show better does not take the map a
   robot.lose();
   CHECK(robot.follow(Pose(Eigen::Translation3d(0, 0, 6))) == Relocation::Outcome::kFound);
   CHECK(robot.odometer.map().keyframes().size() == 1);
+}
+
+TEST_CASE("two searches on different scales say the same of a place in either order") {
+  for (const bool more_first : {true, false}) {
+    for (const bool same_scale : {true, false}) {
+      CAPTURE(more_first);
+      CAPTURE(same_scale);
+      Displaced robot(TrackerConfig{});
+      robot.remember({Pose::Identity()});
+      robot.lose();
+      Attempt attempt;
+      auto outcome = Relocation::Outcome::kLost;
+      int given = 0;
+      for (unsigned i = 1; i < 40 && outcome == Relocation::Outcome::kLost; ++i) {
+        outcome = robot.relocation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
+        const double share = (given == 0) == more_first ? 0.9 : 0.3;
+        if (given < 2) given += robot.propose(i, {}, share * kBelieved, same_scale ? 0.1 : 0.1 + 0.1 * given);
+      }
+      REQUIRE(given == 2);
+      CHECK((outcome == Relocation::Outcome::kFound) == !same_scale);
+    }
+  }
 }
