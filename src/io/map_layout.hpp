@@ -1,0 +1,41 @@
+// Copyright (c) 2026 The scanlock authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+#include <vector>
+
+namespace scanlock {
+
+// Sizes in bytes of what a map file holds, see map_file.hpp.
+inline constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'S', 'L', 'M', 'A', 'P', '\r', '\n'};
+inline constexpr std::size_t kHeaderBytes = 20, kChecksumBytes = 4;
+inline constexpr std::size_t kPoseBytes = 12 * 8,
+                             kKeyframeBytes = 8 + kPoseBytes + 4 + 4 + 4;  // without its points
+inline constexpr std::size_t kConstraintBytes = 4 + 4 + kPoseBytes + 4 + 21 * 8;
+inline constexpr std::size_t kPointBytes = 3 * 2, kStandBytes = 3 * 4;
+inline constexpr int kFinestStep = -24, kCoarsestStep = 24;  // metres, as powers of two
+inline constexpr double kMostSteps = 32767;
+
+/// The same bits as a number without sign.
+template <typename Unsigned, typename Value>
+Unsigned bits_of(Value value) {
+  static_assert(sizeof(Unsigned) == sizeof(Value));
+  Unsigned bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  return bits;
+}
+
+inline std::string_view as_text(const std::vector<std::uint8_t>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+inline const std::uint8_t* as_bytes(std::string_view text) {
+  return reinterpret_cast<const std::uint8_t*>(text.data());
+}
+
+}  // namespace scanlock
