@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mapping/loop_closure.hpp"
+#include "mapping/map_worker.hpp"
 #include "mapping/pose_graph.hpp"
 #include "mapping/pose_history.hpp"
 #include "mapping/submap.hpp"
@@ -18,24 +19,6 @@
 #include "odometry/tracker.hpp"
 
 namespace scanlock {
-
-/// Work that need not be done before the next scan: a search for the robot's place, a target of such searches
-/// described ahead, a loop closure, or a search for the active submap's place among others.
-using MapRequest = std::variant<RecoveryRequest, SearchTarget, ClosureRequest, JoinRequest>;
-/// Of a target that was described there is nothing to tell.
-using MapAnswer = std::variant<std::monostate, RecoveryAnswer, ClosureAnswer, JoinAnswer>;
-
-/// Works on a request; deterministic. Where points cannot be read, nothing is found: see
-/// TrackedScan::map_fault.
-class MapWorker {
- public:
-  explicit MapWorker(const TrackerConfig& config) : config_(config) {}
-  MapAnswer work(const MapRequest& request);
-
- private:
-  TrackerConfig config_;
-  PlaceFinder finder_;
-};
 
 /// A tracker whose archived keyframes are the nodes of pose graphs, one a submap. A robot that is lost for
 /// long begins a new submap; its newest keyframe is searched for in the others, and where two searches agree
