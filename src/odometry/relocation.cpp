@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "geometry/angles.hpp"
@@ -29,6 +31,13 @@ double distance_to(const Keyframes& keyframes, const Eigen::Vector3d& place) {
   double least = std::numeric_limits<double>::infinity();
   for (const auto& k : keyframes) least = std::min(least, (k.map_from_body.translation() - place).norm());
   return least;
+}
+
+std::string insufficient(double log_odds) {
+  char text[80];
+  std::snprintf(text, sizeof text, "log odds of %.1f by all searches, where %.1f are asked for: ", log_odds,
+                kBelieved);
+  return text;
 }
 
 }  // namespace
@@ -193,7 +202,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   const bool found = answer.verdict == PlaceVerdict::kFound;
   // A map that was loaded need not show the place at all, nor stand as it did.
   const double before = last_seen_ ? kInOwnMap : 0;
-  if (last_seen_ && answer.missing > kImpossible) answer.log_odds = std::min(answer.log_odds, -before);
+  const bool gone = last_seen_ && answer.missing > kImpossible;
+  if (gone) answer.log_odds = std::min(answer.log_odds, -before);
   const bool likely = answer.log_odds + before > 0;
   if (!search_.take(answer.serial, likely, answer.little, answer.cost_s) || !lost_ || !excursion_) return;
   nothing_found_ = !found;
@@ -201,7 +211,6 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   const Find find{answer.map_from_predicted, answer.log_odds, excursion_->seen().keyframes().size(),
                   answer.voxel};
   const Support support = support_of(find);
-  std::vector<Pose> places = rivals_of(answer);
   // What is likely, though not proven to be the largest consensus, is a rival of later finds.
   if ((found && !(planar && answer.little)) || (!planar && likely))
     earlier_finds_.insert(earlier_finds_.begin(), find);
@@ -217,9 +226,12 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   if (planar) log_odds = !answer.little && support.agreeing >= kPlanarAgreeing ? kBelieved : 0;
   if (log_odds < kBelieved) {
     ended_ = recovery_of(answer);
-    ended_->reason.insert(0, "more searches have to agree: ");
+    ended_->reason.insert(0, planar ? "more searches have to agree: "
+                             : gone ? "what is mapped there is gone: "
+                                    : insufficient(log_odds));
     return;
   }
+  std::vector<Pose> places = rivals_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
   cover(places, archive, voxel, odometer);
   Contest contest(places);
