@@ -50,11 +50,7 @@ bool AlignmentCheck::is_plausible(const Attempt& attempt) const {
 
 bool AlignmentCheck::is_trusted(const Attempt& attempt, bool initialising) const {
   const bool wary = distrusted_scans_ > 0 && !initialising;
-  if (explains(attempt, wary ? kCalmScore : kJumpScore)) return is_plausible(attempt);
-  // At the edge of new ground a scan costs more, though all of it is there and its motion is the predicted
-  // one.
-  return !wary && explains(attempt, kHopelessScore) && usual_share(attempt.health) &&
-         gap(attempt) < kMostGapDistrusted;
+  return explains(attempt, wary ? kCalmScore : kJumpScore) && is_plausible(attempt);
 }
 
 bool AlignmentCheck::is_contradicted(std::int64_t now, const PreparedScan& scan,

@@ -125,9 +125,8 @@ void Relocation::feel(std::int64_t utime, const PreparedScan& scan, Odometer& od
   prior.information = prior_information(gate_m_, gate_rad_, excursion_->covariance());
   *attempt = odometer.probe(scan, prior, gate_m_ < kFarGate ? Reach::kNear : Reach::kFar);
   const Pose& found = attempt->alignment.moving.pose;
-  const double share = usual_share(attempt->health) ? 1.0 : 0.4;  // of the gate
-  const bool there = standing ? near(found, last_seen_->map_from_body, share * 0.5, share * 5.0 * kDegree)
-                              : near(found, predicted.pose, share * gate_m_, share * gate_rad_);
+  const bool there = standing ? near(found, last_seen_->map_from_body, 0.5, 5.0 * kDegree)
+                              : near(found, predicted.pose, gate_m_, gate_rad_);
   // On new ground a scan that is bent by another velocity may fit better, but the excursion knows that.
   if (!there || !explains(*attempt, kCalmScore) || squared_gap(prior, attempt->alignment.moving) > kMostGap)
     return;

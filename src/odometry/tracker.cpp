@@ -23,13 +23,10 @@ namespace {
 
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
 constexpr std::uint32_t kHorizontal = 0b000011;  // x, y
-// Share of the median range, and angle, that an alignment with the far reach covers around its start.
-constexpr double kWithinReach = 0.08, kWithinTurn = 5.0 * kDegree;
-constexpr double kDegradedShare = 0.4;  // of the points of a scan: with fewer inliers it is DEGRADED
-constexpr int kQuietScans = 5;          // after a relocalisation, in which the map does not grow
-constexpr int kAttitudes = 100;         // that the upward direction is averaged over
-constexpr double kCovered = 0.5;        // least ratio of the points of the first two scans
-constexpr int kFalseStarts = 3;         // scans that do not fit the first one, which is then replaced
+constexpr double kDegradedShare = 0.4;           // of the points of a scan: with fewer inliers it is DEGRADED
+constexpr int kAttitudes = 100;                  // that the upward direction is averaged over
+constexpr double kCovered = 0.5;                 // least ratio of the points of the first two scans
+constexpr int kFalseStarts = 3;  // scans that do not fit the first one, which is then replaced
 
 Eigen::Vector3d up_in_body(const ScanPrior& hints) {
   return hints.level_from_body->conjugate() * Eigen::Vector3d::UnitZ();
@@ -66,8 +63,7 @@ struct Tracker::State {
   // When the active submap began so: until it is joined its poses are as uncertain as the place was. After
   // new_map_after_s they are those of a new epoch.
   std::optional<std::int64_t> loose_since;
-  int quiet_scans_left = 0;  // see kQuietScans
-  std::string map_fault;     // to be told with the next scan
+  std::string map_fault;  // to be told with the next scan
   GivenGround given_ground;
 
   Relocation relocation;
@@ -127,7 +123,7 @@ struct Tracker::State {
   }
 
   /// Aligns from the prediction. Where that does not explain the scan: once more with a loosened prior and
-  /// the far reach, from the prediction and from the last trusted pose.
+  /// the far reach.
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
     if (check.distrusted_scans() > 0) return odometer->probe(scan, prior, Reach::kNear);
     Attempt best = odometer->align(scan, prior, Reach::kNear);
@@ -137,12 +133,6 @@ struct Tracker::State {
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);
     Attempt far = odometer->look_far(part, loose);
-    const Pose& last_pose = check.last().map_from_body;
-    const bool moved = !near(prior.mean.pose, last_pose, kWithinReach * scan.median_range, kWithinTurn);
-    if (moved && !explains(far, kJumpScore)) {
-      loose.mean = {last_pose, Vector6::Zero()};
-      far = better(std::move(far), odometer->look_far(part, loose));
-    }
     far.prior = prior;
     if (explains(far, kHopelessScore) && check.is_plausible(far)) {
       loose.mean = far.alignment.moving;
@@ -206,10 +196,7 @@ struct Tracker::State {
     state = TrackingState::kTracking;
     if (loose_since && time.since_s(*loose_since) > config.new_map_after_s) begin_epoch();
     relocation.end();
-    if (quiet_scans_left > 0)
-      --quiet_scans_left;
-    else
-      keep(scan, attempt.health.share);
+    keep(scan, attempt.health.share);
   }
 
   /// Poses are those of another frame from here on, and not uncertain against it.
@@ -282,8 +269,6 @@ struct Tracker::State {
     }
     const bool found = outcome == Relocation::Outcome::kFound;
     if (found) begin_epoch();
-    // On new ground the map must grow at once, or the robot has left it.
-    quiet_scans_left = usual_share(attempt.health) ? kQuietScans : 0;
     // The next scans cost what this one does: in a map of archived keyframes, which are thinner, or on new
     // ground that is more than before.
     if (!explains(attempt, kCalmScore)) odometer->forget_usual();
@@ -315,7 +300,6 @@ struct Tracker::State {
       begin_epoch();
     }
     jumped = false;
-    quiet_scans_left = 0;
     check.trust(time.now(), scan, odometer->state(), true);
     state = TrackingState::kTracking;
   }
