@@ -23,10 +23,11 @@ namespace {
 
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
 constexpr std::uint32_t kHorizontal = 0b000011;  // x, y
-constexpr double kDegradedShare = 0.4;           // of the points of a scan: with fewer inliers it is DEGRADED
-constexpr int kAttitudes = 100;                  // that the upward direction is averaged over
-constexpr double kCovered = 0.5;                 // least ratio of the points of the first two scans
-constexpr int kFalseStarts = 3;  // scans that do not fit the first one, which is then replaced
+
+constexpr double kDegradedShare = 0.4;  // of the points of a scan: with fewer inliers it is DEGRADED
+constexpr int kAttitudes = 100;         // that the upward direction is averaged over
+constexpr double kCovered = 0.5;        // least ratio of the points of the first two scans
+constexpr int kFalseStarts = 3;         // scans that do not fit the first one, which is then replaced
 
 Eigen::Vector3d up_in_body(const ScanPrior& hints) {
   return hints.level_from_body->conjugate() * Eigen::Vector3d::UnitZ();
