@@ -64,7 +64,7 @@ CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck&
   const Eigen::Matrix3f rotation = to_from_from.linear().cast<float>();
   const Eigen::Vector3f translation = to_from_from.translation().cast<float>();
   OneWay result;
-  std::size_t on = 0, through = 0, steep = 0;
+  std::size_t on = 0, through = 0, steep = 0, above = 0;
   for (std::size_t k = 0; k < from.samples_.size(); ++k) {
     const std::uint32_t i = from.samples_[k];
     const Eigen::Vector3f p = rotation * from.cloud_.point(i) + translation;
@@ -72,6 +72,7 @@ CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck&
     if (nearest.index < 0) {
       const bool contradicts = to.contradicts(from, k, p, rotation);
       through += contradicts ? 1 : 0;
+      above += !contradicts && to.space_.is_above(p) ? 1 : 0;
       steep += contradicts && is_steep(from.cloud_, i) ? 1 : 0;
       continue;
     }
@@ -83,7 +84,8 @@ CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck&
     on += fits ? 1 : 0;
     steep += fits && is_steep(from.cloud_, i) ? 1 : 0;
   }
-  result.overlap = share(on, from.samples_.size());
+  const std::size_t all = from.samples_.size();
+  result.overlap = share(on, std::max(all - above, std::min(all, kFewSteep)));
   result.on = on;
   result.through = through;
   result.steep = steep;

@@ -20,7 +20,8 @@ inline constexpr std::size_t kFewSteep = 100;
 struct CloudFit {
   /// Share of the points of one cloud that lie less than half a voxel from the plane of a surface of the
   /// other cloud whose normal is alike. The larger of the shares in the two directions, for one cloud may
-  /// reach farther. Level ground, which fits everywhere, is left out where there is anything else.
+  /// reach farther. Level ground, which fits everywhere, is left out where there is anything else, and so are
+  /// points above all that the other cloud tells of their column, for sensors differ in how high they see.
   double overlap = 0;
   double residual = 0;  ///< metres: median distance from their plane of the points that are near any surface
   /// Of the points that lie on a surface of the other cloud or in space that its rays crossed, the share of

@@ -54,6 +54,7 @@ SeenSpace::SeenSpace(const PointCloud& cloud, float voxel) : cell_size_(kCell * 
   surface_.assign(headings_.size(), false);
   mark_surfaces(cloud);
   for (std::size_t i = 0; i < cloud.size(); ++i) trace_ray(cloud.eye(i), cloud.point(i));
+  mark_tops(cloud);
 }
 
 Eigen::Array3i SeenSpace::cell(const Eigen::Vector3f& p) const {
@@ -67,6 +68,10 @@ std::ptrdiff_t SeenSpace::index(const Eigen::Array3i& cell) const {
   return (static_cast<std::ptrdiff_t>(offset.z()) * size_.y() + offset.y()) * size_.x() + offset.x();
 }
 
+std::ptrdiff_t SeenSpace::column(const Eigen::Array3i& cell) const {
+  return index({cell.x(), cell.y(), low_.z()});
+}
+
 void SeenSpace::mark_surfaces(const PointCloud& cloud) {
   const float half = 0.5f * cell_size_;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -77,6 +82,19 @@ void SeenSpace::mark_surfaces(const PointCloud& cloud) {
       const std::ptrdiff_t at = index(cell(cloud.point(i) + aside));
       if (at >= 0) surface_[static_cast<std::size_t>(at)] = true;
     }
+  }
+}
+
+void SeenSpace::mark_tops(const PointCloud& cloud) {
+  top_.assign(static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()), -1);
+  for (std::size_t at = 0; at < headings_.size(); ++at) {
+    if (headings_[at] != 0) top_[at % top_.size()] = static_cast<int>(at / top_.size());
+  }
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Array3i at = cell(cloud.point(i));
+    if (index(at) < 0) continue;
+    int& top = top_[static_cast<std::size_t>(column(at))];
+    top = std::max(top, at.z() - low_.z());
   }
 }
 
@@ -100,6 +118,13 @@ std::uint8_t SeenSpace::headings(const Eigen::Vector3f& p) const {
 bool SeenSpace::has_surface(const Eigen::Vector3f& p) const {
   const std::ptrdiff_t at = index(cell(p));
   return at >= 0 && surface_[static_cast<std::size_t>(at)];
+}
+
+bool SeenSpace::is_above(const Eigen::Vector3f& p) const {
+  const Eigen::Array3i at = cell(p);
+  const std::ptrdiff_t c = column(at);
+  const int top = c >= 0 ? top_[static_cast<std::size_t>(c)] : -1;
+  return top >= 0 && at.z() - low_.z() > top;
 }
 
 /// Rays skim over the ground between the few that hit it: where none went below, too, that is the ground.

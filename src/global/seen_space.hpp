@@ -21,6 +21,8 @@ class SeenSpace {
 
   /// Whether a surface that is not level is within about two voxels of p.
   bool has_surface(const Eigen::Vector3f& p) const;
+  /// Whether the cloud tells something of the column of p, but nothing so high.
+  bool is_above(const Eigen::Vector3f& p) const;
   /// Whether a ray crossed the cell of p, even where it holds a surface.
   bool was_seen_through(const Eigen::Vector3f& p) const { return headings(p) != 0; }
   /// Whether a ray crossed a surface at p (normal: unit, or zero), and the cell below p: of the ground it
@@ -29,8 +31,10 @@ class SeenSpace {
 
  private:
   Eigen::Array3i cell(const Eigen::Vector3f& p) const;
-  std::ptrdiff_t index(const Eigen::Array3i& cell) const;  // -1: outside
-  std::uint8_t headings(const Eigen::Vector3f& p) const;   // of the rays that crossed there
+  std::ptrdiff_t index(const Eigen::Array3i& cell) const;   // -1: outside
+  std::uint8_t headings(const Eigen::Vector3f& p) const;    // of the rays that crossed there
+  std::ptrdiff_t column(const Eigen::Array3i& cell) const;  // -1: outside
+  void mark_tops(const PointCloud& cloud);
   void mark_surfaces(const PointCloud& cloud);
   void trace_ray(const Eigen::Vector3f& from, const Eigen::Vector3f& to);
 
@@ -38,6 +42,7 @@ class SeenSpace {
   Eigen::Array3i low_ = Eigen::Array3i::Zero(), size_ = Eigen::Array3i::Zero();  // cells
   std::vector<std::uint8_t> headings_;                                           // a bit for each sector
   std::vector<bool> surface_;
+  std::vector<int> top_;  // of each column: the highest cell with a point or a ray; -1: it is unknown
 };
 
 }  // namespace scanlock

@@ -80,6 +80,23 @@ TEST_CASE("what its own cloud saw through has moved, and contradicts nothing") {
   CHECK(fit(after, both).contradiction < 0.01);
 }
 
+TEST_CASE("what is above all that the other cloud tells of its column does not count as missing there") {
+  const Eigen::Vector3f left(-2, 0, 0), right(2, 0, 0);
+  const PointCloud tall = room(left);
+  PointCloud low, beside;
+  for (std::size_t i = 0; i < tall.size(); ++i) {
+    PointCloud& part = tall.z[i] < -0.1f ? low : beside;
+    part.push_back(tall.point(i));
+    part.eyes.push_back(right);
+  }
+  CHECK(fit(tall, low).overlap > 0.95);
+  CHECK(fit(tall, low).least_overlap > 0.8);  // the rest is between the top of a cell and the wall's
+  // Where it tells nothing at all of a column it counts.
+  CHECK(fit(room(left), half_room(right)).least_overlap < 0.75);
+  // Few points that are left over say little.
+  CHECK(fit(beside, low).least_overlap < 0.3);
+}
+
 TEST_CASE("a glance sees about what a comparison sees") {
   const Eigen::Vector3f left(-2, 0, 0), right(2, 0, 0);
   PointCloud source = room(left), target = room(right);

@@ -40,6 +40,19 @@ TEST_CASE("what a ray went through is crossed, but for what it grazed") {
   CHECK_FALSE(space.has_surface({8, 0, 0}));
 }
 
+TEST_CASE("above is what is higher than the points and rays of a column that is known") {
+  const SeenSpace space(wall(), 0.5f);  // 10 m off, 3 m up and down
+  CHECK(space.is_above({10, 0, 5}));
+  CHECK_FALSE(space.is_above({10, 0, 2}));
+  CHECK_FALSE(space.is_above({10, 0, -5}));
+  CHECK(space.is_above({5, 0, 3}));  // rays went there, but not so high
+  CHECK_FALSE(space.is_above({5, 0, 1}));
+  CHECK_FALSE(space.is_above({5, 5, 3}));   // no ray, no point
+  CHECK_FALSE(space.is_above({12, 0, 5}));  // behind the wall
+  CHECK_FALSE(space.is_above({1e6f, 0, 5}));
+  CHECK_FALSE(SeenSpace(PointCloud{}, 0.5f).is_above({0, 0, 9}));
+}
+
 TEST_CASE("rays start where each point was seen from") {
   PointCloud cloud = wall();
   cloud.eyes.assign(cloud.size(), {18, 0, 0});
