@@ -8,6 +8,8 @@
 
 #include "geometry/moved_cloud.hpp"
 #include "global/attitude_search.hpp"
+#include "global/cloud_check.hpp"
+#include "global/cloud_normals.hpp"
 #include "global/cloud_registration.hpp"
 #include "global/cpu_clock.hpp"
 
@@ -22,6 +24,8 @@ constexpr double kLittleOverlap = 0.5;
 // look tells more.
 constexpr double kDescribed = 0.4, kWider = 1.35;
 constexpr int kWidenings = 2;
+// Of what stands, points in the source from which it shows enough of it: some of them the map does not have.
+constexpr std::size_t kEnoughSteep = 2 * kFewSteep;
 // Of 289 searches in five buildings 0.7 to 1.2 times their time (of a few 1.6): of all, of each point of the
 // map that is looked at, of each that is described or gathered for it, and of each match.
 constexpr double kSecondsASearch = 0.25, kSecondsALook = 1.8e-6, kSecondsAPoint = 4e-6,
@@ -29,16 +33,34 @@ constexpr double kSecondsASearch = 0.25, kSecondsALook = 1.8e-6, kSecondsAPoint 
 constexpr std::size_t kMaxNodes = 20000;      // of a search: some tenths of a second
 constexpr std::size_t kMaxWork = 40'000'000;  // of all searches for one answer: 0.8 s
 
-CloudDescription describe_source(const PointCloud& cloud, double voxel) {
+std::size_t steep_points(const PointCloud& cloud) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) count += is_steep(cloud, i) ? 1 : 0;
+  return count;
+}
+
+CloudDescription describe_with(const PointCloud& cloud, double voxel) {
   DescriptionOptions options;
   options.voxel = voxel;
   options.keypoints = static_cast<std::size_t>(kKeypoints);
-  for (int widened = 0;; ++widened, options.voxel *= kWider) {
-    CloudDescription description = describe(cloud, options);
-    const auto most = static_cast<double>(std::min(options.keypoints, description.points.size()));
-    if (widened == kWidenings || static_cast<double>(description.keypoints.size()) >= kDescribed * most)
-      return description;
+  return describe(cloud, options);
+}
+
+/// Wider than `voxel` where points lie too far apart for it; finer where that shows enough of what stands, as
+/// of parked cars on open ground, and `voxel` does not.
+CloudDescription describe_source(const PointCloud& cloud, double voxel) {
+  CloudDescription description = describe_with(cloud, voxel);
+  if (steep_points(description.points) < kEnoughSteep) {
+    CloudDescription finer = describe_with(cloud, voxel / (kWider * kWider));
+    if (steep_points(finer.points) >= kEnoughSteep) return finer;
   }
+  for (int widened = 0; widened < kWidenings; ++widened) {
+    const double most = std::min(kKeypoints, static_cast<double>(description.points.size()));
+    if (static_cast<double>(description.keypoints.size()) >= kDescribed * most) break;
+    voxel *= kWider;
+    description = describe_with(cloud, voxel);
+  }
+  return description;
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ struct RecoveryRequest {
   /// What was seen since the robot got lost, axes of the predicted map frame, relative to `source_centre`.
   PointCloud source;
   Eigen::Vector3d source_centre = Eigen::Vector3d::Zero();
-  SearchTarget target;  ///< its voxel is wider where the source is sparse
+  SearchTarget target;  ///< its voxel is wider where the source is sparse, finer where things are small
   double tilt = 0;      ///< radians: how well attitudes are known
   /// The z axis of the body, axes of the predicted map frame.
   Eigen::Vector3d body_up = Eigen::Vector3d::UnitZ();

@@ -4,9 +4,12 @@
 
 #include <doctest/doctest.h>
 
+#include <random>
+
 #include "framed_tracker.hpp"
 #include "geometry/angles.hpp"
 #include "odometry/tracker.hpp"
+#include "prepared_hall.hpp"
 #include "room.hpp"
 
 using namespace scanlock;
@@ -44,7 +47,46 @@ double error(const Pose& truth, const Pose& found) {
          so3_log(truth.linear().transpose() * found.linear()).norm();
 }
 
+/// Parked cars on level ground, within 30 m of a sensor 1.5 m above it, axes and origin of the sensor.
+PointCloud car_park(const Pose& map_from_sensor, unsigned seed) {
+  std::mt19937 random(seed), layout(7);
+  std::uniform_real_distribution<double> unit(0, 1);
+  PointCloud cloud;
+  const auto add = [&](const Eigen::Vector3d& p) {
+    const Eigen::Vector3d seen = map_from_sensor.inverse() * p;
+    if (seen.norm() < 30) cloud.push_back(seen.cast<float>().eval());
+  };
+  for (int i = 0; i < 8000; ++i) add({80 * unit(random) - 40, 80 * unit(random) - 40, -1.5});
+  for (int car = 0; car < 40; ++car) {
+    const Pose place =
+        at(80 * unit(layout) - 40, 80 * unit(layout) - 40, std::floor(8 * unit(layout)) * 45 * kDegree);
+    for (int i = 0; i < 500; ++i) {
+      const double side = 12 * unit(random), high = 1.4 * unit(random) - 1.5;
+      const Eigen::Vector3d p = side < 4    ? Eigen::Vector3d(side, 0, high)
+                                : side < 8  ? Eigen::Vector3d(side - 4, 1.8, high)
+                                : side < 10 ? Eigen::Vector3d(0, 0.9 * (side - 8), high)
+                                            : Eigen::Vector3d(4, 0.9 * (side - 10), high);
+      add(place * p);
+    }
+  }
+  return cloud;
+}
+
 }  // namespace
+
+TEST_CASE("among things that are small for the scale of the search it looks finer") {
+  RecoveryRequest request;
+  request.target.places = {archived(Pose::Identity(), car_park(Pose::Identity(), 1))};
+  request.target.source_radius = request.target.radius = 40;
+  request.target.voxel = 1.0;
+  request.tilt = 0.01;
+  request.stands = {Eigen::Vector3d::UnitZ()};
+  const Pose there = at(3, -2, 70 * kDegree);
+  request.source = car_park(there, 2);
+  const RecoveryAnswer answer = PlaceFinder().find(request);
+  CHECK(answer.log_odds > kBelieved);
+  CHECK(error(there, answer.map_from_predicted) < 0.3);
+}
 
 TEST_CASE("a kidnapped robot comes back with a certificate and in the same frame") {
   const Frame frame = each_frame();
