@@ -74,7 +74,7 @@ class Merger {
       const std::vector<JoinAnswer> answers = look_for(here_.keyframe(id), {});
       result->found += answers.empty() ? 0 : 1;
       for (const JoinAnswer& answer : answers)
-        finds.push_back({answer.closure.closure, answer.closure.nearest_keyframe});
+        finds.push_back({answer.closure.closure, answer.closure.nearest_keyframe, answer.search.log_odds});
     }
     result->searches = wanted.size();
     const auto [agreeing, others] = largest_agreement(finds);

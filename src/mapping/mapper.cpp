@@ -265,7 +265,7 @@ void Mapper::take_join(const JoinAnswer& answer) {
   const std::optional<std::size_t> place = submap_of(answer.closure.nearest_keyframe, others_);
   if (!place || !others_[*place].graph.contains(closure.from)) return;
   if (answer.closure.outcome == ClosureOutcome::kPending) {
-    joins_.remember({closure, answer.closure.nearest_keyframe});
+    joins_.remember({closure, answer.closure.nearest_keyframe, answer.search.log_odds});
     return;
   }
   const Submap other = std::move(others_[*place]);

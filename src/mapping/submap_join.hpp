@@ -17,6 +17,7 @@ namespace scanlock {
 struct JoinFind {
   Constraint closure;  ///< to the keyframe
   std::uint32_t nearest_keyframe = 0;
+  double log_odds = 0;  ///< by the search
 };
 
 /// A search for the active submap's newest keyframe in all other submaps. A value: it can be worked on by
@@ -37,8 +38,8 @@ struct JoinAnswer {
 };
 
 /// Finds the keyframe's pose by certified search, aligns it there, and accepts the join when an earlier find,
-/// of another keyframe, agrees on the relative pose of the two submaps (for a planar sensor, three earlier
-/// finds).
+/// of another keyframe, agrees on the relative pose of the two submaps, and the searches together are
+/// believed (for a planar sensor, when three earlier finds agree).
 JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const TrackerConfig& config);
 
 /// Schedules the searches of the other submaps, and keeps their finds.

@@ -67,6 +67,11 @@ inline constexpr double kSoundContradiction = 0.015;
 inline constexpr double kBelieved = 4.5;
 /// Log odds before any search that a robot lost in a map of its own is somewhere in it: 12 to 1.
 inline constexpr double kInOwnMap = 2.5;
+/// What searches that name the same place say together, by the most that one says and the sum of all: half
+/// of what the others do, for they see much of the same.
+inline double together(double most, double sum) {
+  return most + 0.5 * (sum - most);
+}
 /// Places that are tried at once, and finds that are remembered: caps on their cost.
 inline constexpr std::size_t kMostPlaces = 5, kMostFinds = 20;
 

@@ -20,7 +20,6 @@ constexpr int kSeldom = 5;            // and after that on every fifth
 constexpr double kFarGate = 2.0;      // metres: a prediction so far off needs the far reach
 constexpr double kAgreeMetres = 1.0;  // metres: finds of two searches that mean the same,
 constexpr double kAgreeRadians = 6.0 * kDegree;
-constexpr double kOfAnother = 0.5;  // of the log odds: searches one after another see much of the same
 constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival is enough there
 constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
 constexpr double kAsNear = 1.2;   // times the distance of the archive's nearest: it shows the place no better
@@ -254,7 +253,7 @@ Relocation::Support Relocation::support_of(const Find& newest) const {
     sum += other.log_odds;
     most = std::max(most, other.log_odds);
   }
-  return {most + kOfAnother * (sum - most), agreeing};
+  return {together(most, sum), agreeing};
 }
 
 /// Scans decide fairly between places only in a map that knows all of them. What is archived is thinner than
