@@ -145,6 +145,7 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   target = target_of(wide ? part->scene : seen.scene,
                      kScales[static_cast<std::size_t>(attempts_) % kScales.size()]);
   if (!wide) target.radius = target.source_radius + kOffset;
+  request.finer = attempts_ / static_cast<int>(kScales.size()) % 2 == 1;
   // Where a sensor was, so that what it saw through is known to be empty.
   target.centre = part ? part->centre : archive.nearest(*anchor_).map_from_body.translation();
   target.up = up.value_or(Eigen::Vector3d::UnitZ());

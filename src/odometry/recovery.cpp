@@ -46,13 +46,13 @@ CloudDescription describe_with(const PointCloud& cloud, double voxel) {
   return describe(cloud, options);
 }
 
-/// Wider than `voxel` where points lie too far apart for it; finer where that shows enough of what stands, as
-/// of parked cars on open ground, and `voxel` does not.
-CloudDescription describe_source(const PointCloud& cloud, double voxel) {
+/// Wider than `voxel` where points lie too far apart for it. If `finer`, finer where that shows enough of
+/// what stands, as of parked cars on open ground, and `voxel` does not.
+CloudDescription describe_source(const PointCloud& cloud, double voxel, bool finer) {
   CloudDescription description = describe_with(cloud, voxel);
-  if (steep_points(description.points) < kEnoughSteep) {
-    CloudDescription finer = describe_with(cloud, voxel / (kWider * kWider));
-    if (steep_points(finer.points) >= kEnoughSteep) return finer;
+  if (finer && steep_points(description.points) < kEnoughSteep) {
+    CloudDescription closer = describe_with(cloud, voxel / (kWider * kWider));
+    if (steep_points(closer.points) >= kEnoughSteep) return closer;
   }
   for (int widened = 0; widened < kWidenings; ++widened) {
     const double most = std::min(kKeypoints, static_cast<double>(description.points.size()));
@@ -136,7 +136,8 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   // Without a measured attitude the source is levelled by its own body: slopes turn the body, and where it
   // stands now is not where it was lost.
   const Eigen::Matrix3d stand = level_rotation(request.source_up.value_or(request.body_up));
-  const CloudDescription source = describe_source(moved(request.source, Pose(stand)), request.target.voxel);
+  const CloudDescription source =
+      describe_source(moved(request.source, Pose(stand)), request.target.voxel, request.finer);
   double cost_s = kSecondsASearch + kSecondsAPoint * static_cast<double>(source.points.size());
   SearchTarget wanted = request.target;
   wanted.voxel = source.voxel;

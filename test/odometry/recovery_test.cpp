@@ -83,6 +83,8 @@ TEST_CASE("among things that are small for the scale of the search it looks fine
   request.stands = {Eigen::Vector3d::UnitZ()};
   const Pose there = at(3, -2, 70 * kDegree);
   request.source = car_park(there, 2);
+  CHECK(PlaceFinder().find(request).log_odds < kBelieved);
+  request.finer = true;
   const RecoveryAnswer answer = PlaceFinder().find(request);
   CHECK(answer.log_odds > kBelieved);
   CHECK(error(there, answer.map_from_predicted) < 0.3);
