@@ -87,8 +87,9 @@ void SeenSpace::mark_surfaces(const PointCloud& cloud) {
 
 void SeenSpace::mark_tops(const PointCloud& cloud) {
   top_.assign(static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()), -1);
-  for (std::size_t at = 0; at < headings_.size(); ++at) {
-    if (headings_[at] != 0) top_[at % top_.size()] = static_cast<int>(at / top_.size());
+  auto heading = headings_.begin();
+  for (int layer = 0; layer < size_.z(); ++layer) {
+    for (int& top : top_) top = *heading++ != 0 ? layer : top;
   }
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Array3i at = cell(cloud.point(i));
