@@ -81,6 +81,7 @@ class Relocation {
   struct Candidate {
     Contest contest;
     std::optional<RecoveryAnswer> answer;  ///< of the search; none: felt, or said
+    double log_odds = 0;                   ///< of the searches
   };
   /// What a search found likeliest.
   struct Find {

@@ -180,7 +180,7 @@ TEST_CASE("what one search finds is not tried before one from elsewhere agrees u
       const auto request = i < 52 && answers > 0 ? std::nullopt : tracker.take_request();
       if (!request) continue;
       RecoveryAnswer answer = finder.find(*request);
-      answer.log_odds = (one_will_do ? 1 : 0.7) * (kBelieved - kInOwnMap);
+      answer.log_odds = kBelieved - kInOwnMap - (one_will_do ? 0 : 1.1 * kFitsAsUsual);
       answers += answer.verdict == PlaceVerdict::kFound;
       tracker.give(std::move(answer));
     }

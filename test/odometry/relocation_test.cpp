@@ -17,8 +17,11 @@ struct Displaced {
     odometer.start(0, first, {});
   }
 
-  void remember(const std::vector<Pose>& halls) {
-    const PointCloud map = hall_map();
+  /// `rough`: metres that points lie off their surfaces, on both sides.
+  void remember(const std::vector<Pose>& halls, float rough = 0) {
+    PointCloud map = hall_map();
+    for (std::size_t i = 0; i < map.size(); ++i)
+      for (auto* coordinates : {&map.x, &map.y, &map.z}) (*coordinates)[i] += i % 2 == 0 ? rough : -rough;
     std::vector<ArchivedKeyframe> places;
     for (float x : {-1.0f, -0.5f, 0.0f, 0.5f}) {
       PointCloud seen = map;
@@ -107,11 +110,34 @@ TEST_CASE("two searches on different scales say the same of a place in either or
       int given = 0;
       for (unsigned i = 1; i < 40 && outcome == Relocation::Outcome::kLost; ++i) {
         outcome = robot.relocation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
-        const double share = (given == 0) == more_first ? 0.9 : 0.3;
-        if (given < 2) given += robot.propose(i, {}, share * kBelieved, same_scale ? 0.1 : 0.1 + 0.1 * given);
+        const double share = (given == 0) == more_first ? 0.95 : 0.3, least = kBelieved - kFitsAsUsual;
+        if (given < 2) given += robot.propose(i, {}, share * least, same_scale ? 0.1 : 0.1 + 0.1 * given);
       }
       REQUIRE(given == 2);
       CHECK((outcome == Relocation::Outcome::kFound) == !same_scale);
     }
+  }
+}
+
+TEST_CASE("scans that fit less closely than usual speak against a place that a search finds") {
+  for (const bool rough : {false, true}) {
+    CAPTURE(rough);
+    Displaced robot(TrackerConfig{});
+    robot.remember({Pose::Identity()}, rough ? 0.2f : 0);
+    robot.odometer.reload(robot.archive.keyframes(), {Eigen::Vector3d::Zero()}, robot.first.voxel);
+    robot.lose();
+    Attempt attempt;
+    auto outcome = Relocation::Outcome::kLost;
+    bool given = false;
+    for (unsigned i = 1; i < 20 && outcome == Relocation::Outcome::kLost; ++i) {
+      outcome = robot.relocation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
+      if (!given) given = robot.propose(i, {}, kBelieved - 0.5 * kFitsAsUsual);
+    }
+    REQUIRE(given);
+    CHECK(attempt.alignment.moving.pose.translation().norm() < 0.1);
+    CHECK((outcome == Relocation::Outcome::kFound) == !rough);
+    const auto ended = robot.relocation.take_ended();
+    REQUIRE(ended);
+    CHECK((ended->reason.find("log odds of") == 0) == rough);
   }
 }
