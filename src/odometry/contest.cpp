@@ -184,8 +184,13 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
   const bool same =
       !led || same_place(led_by, leader.map_from_predicted, excursion.state().pose, 1.0, 6.0 * kDegree);
   wins_ = !clear ? 0 : same ? wins_ + 1 : 1;
+  ++scans_;
   if (wins_ >= kWins) return Outcome::kWon;
-  return ++scans_ >= kMostScans ? Outcome::kUndecided : Outcome::kOpen;
+  return is_spent() ? Outcome::kUndecided : Outcome::kOpen;
+}
+
+bool Contest::is_spent() const {
+  return scans_ >= kMostScans;
 }
 
 const char* Contest::why_undecided() const {

@@ -33,8 +33,11 @@ class Contest {
   /// there.
   void note_standing(const Pose& map_from_predicted, const Excursion& excursion);
 
-  /// Tests one more scan, which the excursion has followed. The test goes on while the outcome is kOpen.
+  /// Tests one more scan, which the excursion has followed. The test goes on while the outcome is kOpen, and
+  /// may go on after kWon.
   Outcome judge(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion);
+  /// It has had all the scans in which it has to be decided.
+  bool is_spent() const;
 
   /// The reason of kUndecided, in words.
   const char* why_undecided() const;

@@ -3,7 +3,6 @@
 #include "odometry/place_search.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -19,9 +18,7 @@ constexpr int kSecondLook = 1;        // scans before one that follows a find, a
 constexpr int kLooksAScan = 24;       // for so many attempts: what is found again and again convinces nobody
 constexpr double kSourceReach = 5.6;  // of the scene's size, radius of what is looked for
 constexpr double kVoxel = 0.0675;     // of the scene's size
-// What looks alike on one scale seldom does so on another.
-constexpr double kStep = 1.35;                  // from one scale to the next
-constexpr std::array<int, 2> kScales = {0, 1};  // steps
+constexpr double kStep = 1.35;        // from one scale to the next
 // Where the body stood in many ways it stands in others, too. A search that allows for them takes several
 // times as long.
 constexpr std::size_t kManyStands = 4;
@@ -36,7 +33,7 @@ double scale(double size, int steps) {
 
 /// Metres: the radius of what is looked for on the widest scale.
 double widest_source(double scene) {
-  return kSourceReach * scale(scene, kScales.back());
+  return kSourceReach * scale(scene, kSearchScales - 1);
 }
 
 /// Of a wide part, on one of the scales; without its centre, up and places.
@@ -97,8 +94,8 @@ std::vector<PlaceSearch::Part> PlaceSearch::parts_of(const KeyframeArchive& arch
 std::vector<SearchTarget> PlaceSearch::first_targets(const KeyframeArchive& archive) {
   std::vector<SearchTarget> targets;
   const std::vector<Part> parts = parts_of(archive, true, std::nullopt, nullptr);
-  if (parts.size() * kScales.size() > PlaceFinder::kTargets) return targets;
-  for (const int steps : kScales) {
+  if (parts.size() * kSearchScales > PlaceFinder::kTargets) return targets;
+  for (int steps = 0; steps < kSearchScales; ++steps) {
     for (const Part& part : parts) {
       targets.push_back(target_of(part.scene, steps));
       targets.back().centre = part.centre;
@@ -142,10 +139,9 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   const Part* part = at_anchor ? nullptr : &others_[static_cast<std::size_t>(anchor_ ? turn / 2 - 1 : turn)];
   const bool wide = part && wide_;
   SearchTarget& target = request.target;
-  target = target_of(wide ? part->scene : seen.scene,
-                     kScales[static_cast<std::size_t>(attempts_) % kScales.size()]);
+  target = target_of(wide ? part->scene : seen.scene, attempts_ % kSearchScales);
   if (!wide) target.radius = target.source_radius + kOffset;
-  request.finer = attempts_ / static_cast<int>(kScales.size()) % 2 == 1;
+  request.finer = attempts_ / kSearchScales % 2 == 1;
   // Where a sensor was, so that what it saw through is known to be empty.
   target.centre = part ? part->centre : archive.nearest(*anchor_).map_from_body.translation();
   target.up = up.value_or(Eigen::Vector3d::UnitZ());

@@ -11,6 +11,9 @@
 
 namespace scanlock {
 
+/// Scales on which a place is looked for, by turns: what looks alike on one seldom does so on another.
+inline constexpr int kSearchScales = 2;
+
 /// The order of the searches for a lost robot: around its last trusted pose, again when it has seen more,
 /// then by turns there and around all other keyframes, those of the most similar signature first, with ever
 /// longer pauses.

@@ -69,8 +69,8 @@ inline constexpr double kSoundContradiction = 0.015;
 inline constexpr double kBelieved = 5.0;
 /// The most of these, and the least, that closeness of fit adds: by scans that fit as closely as usual.
 inline constexpr double kFitsAsUsual = 2.0;
-/// Log odds before any search that a robot lost in a map of its own is somewhere in it: 12 to 1.
-inline constexpr double kInOwnMap = 2.5;
+/// Log odds before any search that a robot lost in a map of its own is somewhere in it: 20 to 1.
+inline constexpr double kInOwnMap = 3.0;
 /// What searches that name the same place say together, by the most that one says and the sum of all: half
 /// of what the others do, for they see much of the same.
 inline double together(double most, double sum) {

@@ -101,7 +101,7 @@ void Relocation::depart_or_follow(std::int64_t utime, double dt, const PreparedS
   if (excursion_ && excursion_->follow(utime, dt, scan)) return;
   if (excursion_ && candidate_) refuse("the scans that followed do not fit each other: ");
   search_.begin_anew();
-  earlier_finds_.clear();
+  finds_.clear();
   undecided_.clear();
   const Matrix12& covariance = odometer.covariance();
   gate_m_ = 0.5 + 3.0 * std::sqrt(covariance.diagonal().head<3>().maxCoeff());
@@ -158,12 +158,13 @@ Relocation::Outcome Relocation::confirm(const PreparedScan& scan, Odometer& odom
     refuse(std::string(candidate_->contest.why_undecided()) + ": ");
   }
   if (outcome != Contest::Outcome::kWon) return Outcome::kLost;
-  const double log_odds = candidate_->log_odds + log_odds_of_fit(attempt->health);
-  if (candidate_->answer && log_odds < kBelieved) {
-    refuse(insufficient(log_odds, "all searches and the scans that followed"));
+  const bool searched = candidate_->answer.has_value();
+  const double log_odds = log_odds_of(*candidate_);
+  if (searched && log_odds < kBelieved) {  // the next search may say more
+    if (candidate_->contest.is_spent())
+      refuse(insufficient(log_odds, "all searches and the scans that followed"));
     return Outcome::kLost;
   }
-  const bool searched = candidate_->answer.has_value();
   if (searched) {
     ended_ = recovery_of(*candidate_->answer);
     ended_->accepted = true;
@@ -203,46 +204,62 @@ bool Relocation::gives_up() const {
 
 std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, const KeyframeArchive& archive,
                                                         const std::optional<Eigen::Vector3d>& up) {
-  if (!lost_ || !excursion_ || candidate_) return std::nullopt;
+  if (!lost_ || !excursion_ || (candidate_ && !(candidate_->answer && sees_more()))) return std::nullopt;
   std::optional<RecoveryRequest> request = search_.next(utime, excursion_->surroundings(), archive, up);
   if (request) request->undecided = undecided_;
   return request;
 }
 
+/// Whether a search can say more than those before it: on each scale once from each keyframe.
+bool Relocation::sees_more() const {
+  const std::size_t keyframes = excursion_->seen().keyframes().size();
+  return std::count_if(finds_.begin(), finds_.end(),
+                       [&](const Find& f) { return f.keyframes == keyframes; }) < kSearchScales;
+}
+
 void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
                       Odometer& odometer) {
   const bool found = answer.verdict == PlaceVerdict::kFound;
-  // A map that was loaded need not show the place at all, nor stand as it did.
-  const double before = last_seen_ ? kInOwnMap : 0;
   const bool gone = last_seen_ && answer.missing > kImpossible;
-  if (gone) answer.log_odds = std::min(answer.log_odds, -before);
-  const bool likely = answer.log_odds + before > 0;
+  if (gone) answer.log_odds = std::min(answer.log_odds, -before());
+  const bool likely = answer.log_odds + before() > 0;
   if (!search_.take(answer.serial, likely, answer.little, answer.cost_s) || !lost_ || !excursion_) return;
   nothing_found_ = !found;
   const bool planar = excursion_->planar();
-  const Find find{answer.map_from_predicted, answer.log_odds, excursion_->seen().keyframes().size(),
-                  answer.voxel};
-  const Support support = support_of(find);
   // What is likely, though not proven to be the largest consensus, is a rival of later finds.
-  if ((found && !(planar && answer.little)) || (!planar && likely))
-    earlier_finds_.insert(earlier_finds_.begin(), find);
-  if (earlier_finds_.size() > kMostFinds) earlier_finds_.pop_back();
+  const bool counts = (found && !(planar && answer.little)) || (!planar && likely);
+  if (counts)
+    finds_.insert(finds_.begin(), {answer.map_from_predicted, answer.log_odds,
+                                   excursion_->seen().keyframes().size(), answer.voxel});
+  if (finds_.size() > kMostFinds) finds_.pop_back();
   if (!found) {
-    if (state_ != TrackingState::kAmbiguous && search_.looked_everywhere()) state_ = TrackingState::kLost;
+    if (!candidate_ && state_ != TrackingState::kAmbiguous && search_.looked_everywhere())
+      state_ = TrackingState::kLost;
     ended_ = recovery_of(answer);
     return;
   }
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
-  double log_odds = before + support.log_odds;
+  const Support support = support_of(answer.map_from_predicted);
+  double log_odds = before() + support.log_odds;
   // Of the few points of such a sensor the odds say little: so many finds that agree are believed.
-  if (planar)
-    log_odds = (!answer.little && support.agreeing >= kPlanarAgreeing ? 1 : -1) * (kBelieved + kFitsAsUsual);
+  if (planar) log_odds = (counts && support.finds > kPlanarAgreeing ? 1 : -1) * (kBelieved + kFitsAsUsual);
   if (log_odds + kFitsAsUsual < kBelieved) {
     ended_ = recovery_of(answer);
     ended_->reason.insert(0, planar ? "more searches have to agree: "
                              : gone ? "what is mapped there is gone: "
                                     : insufficient(log_odds, "all searches"));
     return;
+  }
+  if (candidate_ && candidate_->answer) {
+    const std::vector<Pose> tried = candidate_->contest.places();
+    if (std::any_of(tried.begin(), tried.end(), [&](const Pose& place) {
+          return agree(place, answer.map_from_predicted, kAgreeMetres, kAgreeRadians);
+        })) {
+      ended_ = recovery_of(answer);
+      ended_->reason.insert(0, "a place that is being tried: ");
+      return;
+    }
+    refuse("a later search finds another place: ");
   }
   std::vector<Pose> places = rivals_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
@@ -253,22 +270,32 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
 }
 
 /// In whatever order they came. A search from the same keyframe on the same scale says the same again.
-Relocation::Support Relocation::support_of(const Find& newest) const {
-  double sum = newest.log_odds, most = newest.log_odds;
-  int agreeing = 0;
-  std::vector<const Find*> counted{&newest};
-  for (const Find& other : earlier_finds_) {
-    if (!agree(other.map_from_predicted, newest.map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
-    ++agreeing;
+Relocation::Support Relocation::support_of(const Pose& map_from_predicted) const {
+  Support support;
+  double sum = 0, most = -std::numeric_limits<double>::infinity();
+  std::vector<const Find*> counted;
+  for (const Find& find : finds_) {
+    if (!agree(find.map_from_predicted, map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
+    ++support.finds;
     const auto says_the_same = [&](const Find* f) {
-      return f->keyframes == other.keyframes && f->voxel == other.voxel;
+      return f->keyframes == find.keyframes && f->voxel == find.voxel;
     };
     if (std::any_of(counted.begin(), counted.end(), says_the_same)) continue;
-    counted.push_back(&other);
-    sum += other.log_odds;
-    most = std::max(most, other.log_odds);
+    counted.push_back(&find);
+    sum += find.log_odds;
+    most = std::max(most, find.log_odds);
   }
-  return {together(most, sum), agreeing};
+  if (support.finds > 0) support.log_odds = together(most, sum);
+  return support;
+}
+
+/// That the leader of its contest is the robot's place, by all searches and by the last scan. A rival that no
+/// search preferred has those of the one that named it.
+double Relocation::log_odds_of(const Candidate& candidate) const {
+  if (excursion_->planar()) return candidate.log_odds;
+  const Support support = support_of(candidate.contest.map_from_predicted());
+  return (support.finds > 0 ? before() + support.log_odds : candidate.log_odds) +
+         log_odds_of_fit(candidate.contest.attempt().health);
 }
 
 /// Scans decide fairly between places only in a map that knows all of them. What is archived is thinner than
@@ -300,10 +327,10 @@ std::vector<Pose> Relocation::rivals_of(const RecoveryAnswer& answer) const {
     if (!taken && rivals.size() + 1 < kMostPlaces) rivals.push_back(place);
   };
   for (const Pose& place : undecided_) add(place);
-  for (const Find& find : earlier_finds_)
+  for (const Find& find : finds_)
     if (find.log_odds > 0) add(find.map_from_predicted);
   for (const Pose& place : answer.rivals) add(place);
-  for (const Find& find : earlier_finds_) add(find.map_from_predicted);
+  for (const Find& find : finds_) add(find.map_from_predicted);
   return rivals;
 }
 

@@ -81,7 +81,7 @@ class Relocation {
   struct Candidate {
     Contest contest;
     std::optional<RecoveryAnswer> answer;  ///< of the search; none: felt, or said
-    double log_odds = 0;                   ///< of the searches
+    double log_odds = 0;                   ///< of that search, and of those before it
   };
   /// What a search found likeliest.
   struct Find {
@@ -92,8 +92,8 @@ class Relocation {
   };
   /// What all searches say for a place.
   struct Support {
-    double log_odds;
-    int agreeing;  ///< earlier finds of the same place
+    double log_odds = 0;
+    int finds = 0;  ///< that name it
   };
   void depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer);
   void feel(std::int64_t utime, const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
@@ -102,7 +102,11 @@ class Relocation {
   void follow_excursion(double dt, Odometer& odometer) const;
   void cover(const std::vector<Pose>& places, const KeyframeArchive& archive, double voxel,
              Odometer& odometer);
-  Support support_of(const Find& newest) const;
+  Support support_of(const Pose& map_from_predicted) const;
+  double log_odds_of(const Candidate& candidate) const;
+  bool sees_more() const;
+  /// Log odds before any search: a map that was loaded need not show the place at all.
+  double before() const { return last_seen_ ? kInOwnMap : 0; }
   std::vector<Pose> rivals_of(const RecoveryAnswer& answer) const;
   bool agree(const Pose& a, const Pose& b, double metres, double radians) const;
   Recovery recovery_of(const RecoveryAnswer& answer) const;
@@ -119,8 +123,8 @@ class Relocation {
   double energy_before_ = 1;
   std::optional<Candidate> candidate_;
   bool map_of_several_ = false;
-  std::vector<Find> earlier_finds_;  ///< of this excursion's searches, the newest first
-  std::vector<Pose> undecided_;      ///< places that fitted its scans alike
+  std::vector<Find> finds_;      ///< of this excursion's searches, the newest first
+  std::vector<Pose> undecided_;  ///< places that fitted its scans alike
   PlaceSearch search_;
   std::optional<Recovery> ended_;
 };

@@ -141,3 +141,27 @@ TEST_CASE("scans that fit less closely than usual speak against a place that a s
     CHECK((ended->reason.find("log odds of") == 0) == rough);
   }
 }
+
+TEST_CASE("searches that end while a place is being tried speak for and against it") {
+  for (const bool against : {false, true}) {
+    CAPTURE(against);
+    Displaced robot(TrackerConfig{});
+    robot.remember({Pose::Identity()}, against ? 0 : 0.2f);
+    robot.odometer.reload(robot.archive.keyframes(), {Eigen::Vector3d::Zero()}, robot.first.voxel);
+    robot.lose();
+    Attempt attempt;
+    auto outcome = Relocation::Outcome::kLost;
+    int given = 0, first = 0, second = 0;
+    for (int i = 1; i < 20 && outcome == Relocation::Outcome::kLost; ++i) {
+      const auto at = static_cast<unsigned>(i);
+      outcome = robot.relocation.follow(100000 * at, 0.1, robot.hall.scan(at), robot.odometer, &attempt);
+      // With its fit the first alone is believed where that is as usual, and not where it is rough.
+      const double log_odds = given == 0 ? kBelieved - 0.5 * kFitsAsUsual : against ? -kBelieved : kBelieved;
+      if (given >= 2 || !robot.propose(at, {}, log_odds, 0.1 + 0.1 * given)) continue;
+      (++given == 1 ? first : second) = i;
+    }
+    REQUIRE(given == 2);
+    CHECK(second - first < 3);
+    CHECK((outcome == Relocation::Outcome::kFound) == !against);
+  }
+}
