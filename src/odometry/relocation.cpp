@@ -142,7 +142,7 @@ void Relocation::feel(std::int64_t utime, const PreparedScan& scan, Odometer& od
       looks_alike_ || contradiction(*last_seen_, utime, scan, attempt->alignment.moving) > kMostContradiction;
   if (!looks_alike_ || nothing_found_)
     candidate_ =
-        Candidate{Contest::expected_at(renormalised(found * predicted.pose.inverse()), 1), std::nullopt, 0};
+        Candidate{Contest::expected_at(renormalised(found * predicted.pose.inverse()), 1), std::nullopt};
 }
 
 /// Whether one of the places is believed with this scan.
@@ -159,13 +159,13 @@ Relocation::Outcome Relocation::confirm(const PreparedScan& scan, Odometer& odom
   }
   if (outcome != Contest::Outcome::kWon) return Outcome::kLost;
   const bool searched = candidate_->answer.has_value();
-  const double log_odds = log_odds_of(*candidate_);
-  if (searched && log_odds < kBelieved) {  // the next search may say more
-    if (candidate_->contest.is_spent())
-      refuse(insufficient(log_odds, "all searches and the scans that followed"));
-    return Outcome::kLost;
-  }
   if (searched) {
+    const double log_odds = log_odds_of(*candidate_);
+    if (log_odds < kBelieved) {  // the next search may say more
+      if (candidate_->contest.is_spent())
+        refuse(insufficient(log_odds, "all searches and the scans that followed"));
+      return Outcome::kLost;
+    }
     ended_ = recovery_of(*candidate_->answer);
     ended_->accepted = true;
     ended_->map_from_predicted = candidate_->contest.map_from_predicted();
@@ -341,7 +341,7 @@ bool Relocation::agree(const Pose& a, const Pose& b, double metres, double radia
 }
 
 void Relocation::propose_here() {
-  candidate_ = Candidate{Contest::expected_at(Pose::Identity(), 0), std::nullopt, 0};
+  candidate_ = Candidate{Contest::expected_at(Pose::Identity(), 0), std::nullopt};
 }
 
 }  // namespace scanlock

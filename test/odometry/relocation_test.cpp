@@ -37,6 +37,13 @@ struct Displaced {
     relocation.begin(odometer, std::nullopt, false, archive);
   }
 
+  /// In the map of the halls alone, which has the robot at home.
+  void lose_in(const std::vector<Pose>& halls, float rough = 0) {
+    remember(halls, rough);
+    odometer.reload(archive.keyframes(), {Eigen::Vector3d::Zero()}, first.voxel);
+    lose();
+  }
+
   /// False: it was not asked.
   bool propose(unsigned i, const std::vector<Pose>& rivals, double log_odds = kBelieved, double voxel = 0.1) {
     const auto request = relocation.take_request(100000 * i, archive, std::nullopt);
@@ -82,9 +89,7 @@ TEST_CASE("a place is not believed before its twin, which the map at hand does n
   config.max_keyframes = 4;
   const Pose twin(Eigen::Translation3d(40, 0, 0));
   Displaced robot(config);
-  robot.remember({Pose::Identity(), twin});
-  robot.odometer.reload(robot.archive.keyframes(), {Eigen::Vector3d::Zero()}, robot.first.voxel);
-  robot.lose();
+  robot.lose_in({Pose::Identity(), twin});
   CHECK(robot.follow(twin) == Relocation::Outcome::kLost);
   CHECK(robot.relocation.state() == TrackingState::kAmbiguous);
 }
@@ -123,9 +128,7 @@ TEST_CASE("scans that fit less closely than usual speak against a place that a s
   for (const bool rough : {false, true}) {
     CAPTURE(rough);
     Displaced robot(TrackerConfig{});
-    robot.remember({Pose::Identity()}, rough ? 0.2f : 0);
-    robot.odometer.reload(robot.archive.keyframes(), {Eigen::Vector3d::Zero()}, robot.first.voxel);
-    robot.lose();
+    robot.lose_in({Pose::Identity()}, rough ? 0.2f : 0);
     Attempt attempt;
     auto outcome = Relocation::Outcome::kLost;
     bool given = false;
@@ -146,9 +149,7 @@ TEST_CASE("searches that end while a place is being tried speak for and against 
   for (const bool against : {false, true}) {
     CAPTURE(against);
     Displaced robot(TrackerConfig{});
-    robot.remember({Pose::Identity()}, against ? 0 : 0.2f);
-    robot.odometer.reload(robot.archive.keyframes(), {Eigen::Vector3d::Zero()}, robot.first.voxel);
-    robot.lose();
+    robot.lose_in({Pose::Identity()}, against ? 0 : 0.2f);
     Attempt attempt;
     auto outcome = Relocation::Outcome::kLost;
     int given = 0, first = 0, second = 0;
