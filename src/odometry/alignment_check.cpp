@@ -2,10 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "odometry/alignment_check.hpp"
 
-#include <cmath>
-
-#include "geometry/angles.hpp"
-
 namespace scanlock {
 namespace {
 
@@ -38,19 +34,11 @@ void AlignmentCheck::distrust(bool contradicted) {
 }
 
 bool AlignmentCheck::is_plausible(const Attempt& attempt) const {
-  if (gap(attempt) > (distrusted_scans_ > 0 ? kMostGapDistrusted : kMostGap)) return false;
-  const Matrix6 covariance = pose_covariance(attempt.prior);
-  const double metres = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
-  const double radians = std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
-  const Pose &found = attempt.alignment.moving.pose, &predicted = attempt.prior.mean.pose;
-  if (usual_share(attempt.health))
-    return near(found, predicted, 1.0 + 5.0 * metres, 10.0 * kDegree + 5.0 * radians);
-  return near(found, predicted, 0.1 + 2.0 * metres, 2.0 * kDegree + 2.0 * radians);
+  return gap(attempt) <= (distrusted_scans_ > 0 ? kMostGapDistrusted : kMostGap);
 }
 
-bool AlignmentCheck::is_trusted(const Attempt& attempt, bool initialising) const {
-  const bool wary = distrusted_scans_ > 0 && !initialising;
-  return explains(attempt, wary ? kCalmScore : kJumpScore) && is_plausible(attempt);
+bool AlignmentCheck::is_trusted(const Attempt& attempt) const {
+  return explains(attempt, kJumpScore) && is_plausible(attempt);
 }
 
 bool AlignmentCheck::is_contradicted(std::int64_t now, const PreparedScan& scan,
@@ -58,7 +46,7 @@ bool AlignmentCheck::is_contradicted(std::int64_t now, const PreparedScan& scan,
   const bool after_gap = 1e-6 * static_cast<double>(now - last_.utime) > kMoment;
   const double most = after_gap ? kMostContradictionAfterGap : kMostContradiction;
   const bool unusual = after_gap || looks_alike_ || gap(attempt) > kUnusualGap ||
-                       attempt.health.score > kCalmScore || !usual_share(attempt.health);
+                       attempt.health.score > kFitScore || !usual_share(attempt.health);
   return unusual && !attempt.health.young && contradiction(last_, now, scan, attempt.alignment.moving) > most;
 }
 

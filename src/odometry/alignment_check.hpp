@@ -11,7 +11,7 @@ namespace scanlock {
 
 /// Decides whether the alignment of a scan with the local map is trusted: by its energy, by the distance of
 /// its pose from the prediction, and by whether the last trusted scan contradicts it (see contradiction()).
-/// After a scan that was not trusted the bounds are narrower, until one is.
+/// After a scan that was not trusted the bound of the distance is narrower, until one is.
 class AlignmentCheck {
  public:
   /// No scan was trusted yet: the robot is at `pose`, at `time`.
@@ -28,12 +28,11 @@ class AlignmentCheck {
   /// Whether one of those was contradicted: the robot is at another place that looks like the expected one.
   bool looks_alike() const { return looks_alike_; }
 
-  /// Whether the robot can have moved to where the alignment puts it. With fewer inliers than usual, by new
-  /// ground or at another place, it has to be within 0.1 m and 2 degrees, and two standard deviations, of the
-  /// prediction; else within 1 m and 10 degrees, and five.
+  /// Whether the robot can have moved to where the alignment puts it: by pose and velocity together (see
+  /// squared_gap).
   bool is_plausible(const Attempt& attempt) const;
-  /// Whether the alignment explains its scan, and is plausible. `initialising`: there is hardly any map yet.
-  bool is_trusted(const Attempt& attempt, bool initialising) const;
+  /// Whether the alignment explains its scan, and is plausible.
+  bool is_trusted(const Attempt& attempt) const;
   /// Whether the last trusted scan contradicts an alignment that explains its scan: the place looks like the
   /// expected one and is another. Asked only after a gap, or where the alignment is unusual: what passes
   /// close by hides as much as another place does, but neither moves the pose nor costs much. After a gap the

@@ -133,7 +133,7 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
     const double usual = attempt.health.usual_share > 0 ? attempt.health.usual_share : kUnknownShare;
     // A map of another sensor or day explains scans less well, which says nothing against what a search
     // found.
-    return explains(attempt, expected_ ? kCalmScore : std::numeric_limits<double>::infinity()) &&
+    return explains(attempt, expected_ ? kJumpScore : std::numeric_limits<double>::infinity()) &&
            attempt.health.share >= place.least_share * usual &&
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   };

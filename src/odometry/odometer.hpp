@@ -23,7 +23,6 @@ namespace scanlock {
 inline constexpr double kFitScore =
     3.0;  ///< beyond, the scan is aligned again with the far reach: one scan in hundreds
 inline constexpr double kJumpScore = 6.0;  ///< beyond, an alignment is not trusted
-inline constexpr double kCalmScore = 4.0;  ///< the lower bound of a hysteresis: for a robot that is lost
 
 /// Largest squared gap (see squared_gap) of pose and velocity from their prediction: drives stay below 3,
 /// shakes below 25; kidnaps to a place that looks alike had 35 and 190.

@@ -136,7 +136,7 @@ void Relocation::feel(std::int64_t utime, const PreparedScan& scan, Odometer& od
   const bool there = standing ? near(found, last_seen_->map_from_body, 0.5, 5.0 * kDegree)
                               : near(found, predicted.pose, gate_m_, gate_rad_);
   // On new ground a scan that is bent by another velocity may fit better, but the excursion knows that.
-  if (!there || !explains(*attempt, kCalmScore) || squared_gap(prior, attempt->alignment.moving) > kMostGap)
+  if (!there || !explains(*attempt, kJumpScore) || squared_gap(prior, attempt->alignment.moving) > kMostGap)
     return;
   looks_alike_ =
       looks_alike_ || contradiction(*last_seen_, utime, scan, attempt->alignment.moving) > kMostContradiction;

@@ -161,12 +161,13 @@ struct Tracker::State {
       }
     }
     Attempt attempt = odometer->deskew_first(scan, time.elapsed_s(), align_or_retry(scan, prior), true);
-    if (hints.motion && !trusted(attempt)) {  // the other sensors decide only where the scans do not suffice
+    if (hints.motion &&
+        !check.is_trusted(attempt)) {  // the other sensors decide only where the scans do not suffice
       prior = predict(hints);
       Attempt hinted = odometer->align(scan, prior, Reach::kNear);
-      if (trusted(hinted)) attempt = std::move(hinted);
+      if (check.is_trusted(hinted)) attempt = std::move(hinted);
     }
-    const bool fits = trusted(attempt);
+    const bool fits = check.is_trusted(attempt);
     const bool contradicted = fits && check.is_contradicted(time.now(), scan, attempt);
     finished(Stage::kAlign);
     if (fits && !contradicted) {
@@ -183,10 +184,6 @@ struct Tracker::State {
     }
     relocation.distrust(time.now(), time.elapsed_s(), scan, *odometer, attempt.health.energy);
     if (relocation.lost() && open) begin_submap(scan, tracked);
-  }
-
-  bool trusted(const Attempt& attempt) const {
-    return check.is_trusted(attempt, state == TrackingState::kInitialising);
   }
 
   void trust(const PreparedScan& scan, const Attempt& attempt) {
@@ -272,7 +269,7 @@ struct Tracker::State {
     if (found) begin_epoch();
     // The next scans cost what this one does: in a map of archived keyframes, which are thinner, or on new
     // ground that is more than before.
-    if (!explains(attempt, kCalmScore)) odometer->forget_usual();
+    if (!explains(attempt, kJumpScore)) odometer->forget_usual();
     const Pose predicted = relocation.excursion().state().pose;
     join(relocation.excursion(), renormalised(attempt.alignment.moving.pose * predicted.inverse()),
          scan.median_range, &archive);

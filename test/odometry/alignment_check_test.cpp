@@ -38,32 +38,29 @@ PreparedScan scan_at(const Pose& pose, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("an alignment is plausible near the prediction, and nearer where it has few inliers") {
+TEST_CASE("an alignment is plausible near its prediction, whatever share of the scan the map knows") {
   AlignmentCheck check;
-  CHECK(check.is_plausible(attempt(0.28)));
-  CHECK(check.is_plausible(attempt(0.28, 0, 0.3)));
-  CHECK(check.is_plausible(attempt(0.5)));
-  CHECK_FALSE(check.is_plausible(attempt(0.5, 0, 0.3)));
-  CHECK_FALSE(check.is_plausible(attempt(0.56)));  // a squared gap of 31
+  for (const double share : {0.9, 0.3}) {
+    CHECK(check.is_plausible(attempt(0.54, 0, share)));
+    CHECK_FALSE(check.is_plausible(attempt(0.56, 0, share)));  // a squared gap of 31
+  }
   check.distrust(false);
-  CHECK(check.is_plausible(attempt(0.3)));
+  CHECK(check.is_plausible(attempt(0.31)));
   CHECK_FALSE(check.is_plausible(attempt(0.33)));  // of 11
 }
 
-TEST_CASE("an alignment is trusted below a score, which is lower after one that was not") {
+TEST_CASE("an alignment is trusted where it explains its scan and is plausible") {
   AlignmentCheck check;
   const PreparedScan scan;
-  CHECK(check.is_trusted(attempt(0, 5), false));
-  CHECK_FALSE(check.is_trusted(attempt(0.56, 5), false));
-  CHECK_FALSE(check.is_trusted(attempt(0.1, 8), false));
+  CHECK(check.is_trusted(attempt(0.3, 5)));
+  CHECK_FALSE(check.is_trusted(attempt(0.56, 5)));
+  CHECK_FALSE(check.is_trusted(attempt(0.1, 8)));
   check.distrust(false);
   CHECK(check.distrusted_scans() == 1);
-  CHECK(check.is_trusted(attempt(0, 3), false));
-  CHECK_FALSE(check.is_trusted(attempt(0, 5), false));
-  CHECK(check.is_trusted(attempt(0, 5), true));
+  CHECK(check.is_trusted(attempt(0.3, 5)));
+  CHECK_FALSE(check.is_trusted(attempt(0.33, 5)));
   check.trust(kScanPeriod, scan, {Pose::Identity(), Vector6::Zero()}, true);
   CHECK(check.distrusted_scans() == 0);
-  CHECK(check.is_trusted(attempt(0, 5), false));
 }
 
 TEST_CASE("the last trusted scan contradicts another place: asked after a gap, and of unusual alignments") {
