@@ -15,8 +15,6 @@
 namespace scanlock {
 namespace {
 
-constexpr int kPatience = 20;         // scans in which a lost robot feels around on each,
-constexpr int kSeldom = 5;            // and after that on every fifth
 constexpr double kFarGate = 2.0;      // metres: a prediction so far off needs the far reach
 constexpr double kAgreeMetres = 1.0;  // metres: finds of two searches that mean the same,
 constexpr double kAgreeRadians = 6.0 * kDegree;
@@ -122,9 +120,8 @@ void Relocation::follow_excursion(double dt, Odometer& odometer) const {
 /// turn. What it finds farther off is left to the certificate, and what only looks like that place is
 /// believed when the search, too, knows nothing better.
 void Relocation::feel(std::int64_t utime, const PreparedScan& scan, Odometer& odometer, Attempt* attempt) {
-  const bool seldom = scans_ > kPatience && scans_ % kSeldom != 0;
   const bool better_ask = looks_alike_ && (!nothing_found_ || state_ == TrackingState::kAmbiguous);
-  if (!last_seen_ || odometer.empty() || seldom || better_ask) return;
+  if (!last_seen_ || odometer.empty() || better_ask) return;
   const bool standing = scans_ % 2 == 0;
   const MovingPose& predicted = excursion_->state();
   MotionPrior prior;
