@@ -82,9 +82,6 @@ class Odometer {
   /// in a map that was loaded. Without effect afterwards.
   void take_usual_from(const Odometer& other);
 
-  /// Forgets the usual energy: it is learned again from the next alignments that are accepted.
-  void forget_usual() { health_.forget(); }
-
   /// At rest there, the velocity unknown.
   void set_pose(const Pose& map_from_body);
 

@@ -267,9 +267,6 @@ struct Tracker::State {
     }
     const bool found = outcome == Relocation::Outcome::kFound;
     if (found) begin_epoch();
-    // The next scans cost what this one does: in a map of archived keyframes, which are thinner, or on new
-    // ground that is more than before.
-    if (!explains(attempt, kJumpScore)) odometer->forget_usual();
     const Pose predicted = relocation.excursion().state().pose;
     join(relocation.excursion(), renormalised(attempt.alignment.moving.pose * predicted.inverse()),
          scan.median_range, &archive);
