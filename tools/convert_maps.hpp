@@ -41,7 +41,8 @@ inline void cloud_to_map(const ConvertOptions& options) {
     ProgressBar bar("map");
     map = builder.build(options.input, bar.updater());
   }
-  if (!builder.doubt().empty()) warn(options, builder.doubt());
+  for (const std::string& warning : {builder.left_out(), builder.doubt()})
+    if (!warning.empty()) warn(options, warning);
   write_map(options.output, map);
   report_map(options, map, points);
 }

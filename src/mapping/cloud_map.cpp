@@ -134,9 +134,15 @@ void CloudMapBuilder::add(PointCloud part) {
 SavedMap CloudMapBuilder::build(const std::string& name,
                                 const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   if (points_ == 0) throw std::runtime_error(name + ": holds no points");
+  if (solid_.not_finite() == points_)
+    throw std::runtime_error(name + ": none of its " + std::to_string(points_) + " points is finite");
   if (solid_.size() == 0)
     throw std::runtime_error(name + ": none of its " + std::to_string(points_) +
                              " points is within 100 km of its origin; subtract an offset from them");
+  if (solid_.not_finite() + solid_.too_far() > 0)
+    left_out_ = "of its " + std::to_string(points_) +
+                " points are left out: " + std::to_string(solid_.not_finite()) + " that are not finite, " +
+                std::to_string(solid_.too_far()) + " that are farther than 100 km from its origin";
   solid_.close();
   const Floors floors = find_floors(solid_);
   const std::vector<FloorPlace> places = wide_floors(floors.places);

@@ -38,13 +38,15 @@ class CloudMapBuilder {
   /// After build(), a warning where nothing stands on most of the floor: an open field, or a cloud that is
   /// upside down; or where more hangs from its ceilings than stands on its floors. Empty otherwise.
   const std::string& doubt() const { return doubt_; }
+  /// After build(), how many points were left out, and why. Empty where none was.
+  const std::string& left_out() const { return left_out_; }
 
  private:
   CloudMapOptions options_;
   Eigen::Matrix3d level_;  ///< rotation; its z axis is up
   SolidCloud solid_;       ///< in the level frame
   std::uint64_t points_ = 0;
-  std::string doubt_;
+  std::string doubt_, left_out_;
 };
 
 /// The same for a cloud as a whole.

@@ -111,7 +111,14 @@ void SolidCloud::add(const PointCloud& part) {
   };
   for (std::size_t i = 0; i < part.size(); ++i) {
     const Eigen::Vector3f p = part.point(i), in_voxels = p / voxel_;
-    if (!(in_voxels.cwiseAbs().maxCoeff() < kFarthest) || !in_voxels.allFinite()) continue;
+    if (!p.allFinite()) {
+      ++not_finite_;
+      continue;
+    }
+    if (!(in_voxels.cwiseAbs().maxCoeff() < kFarthest)) {
+      ++too_far_;
+      continue;
+    }
     const std::uint64_t key = scanlock::key_of(voxel_of(p, voxel_));
     if (key >> kBlockBits != last_key) {
       last_key = key >> kBlockBits;

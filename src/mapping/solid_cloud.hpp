@@ -31,7 +31,8 @@ class SolidCloud {
   /// `voxel`: metres, the smallest.
   explicit SolidCloud(float voxel) : voxel_(voxel) {}
   /// Of the points in a voxel the one nearest to its centre is kept, to 1/1024 of the voxel, whatever their
-  /// order. Points that are not finite, or more than 2^20 voxels from the origin, are left out.
+  /// order. Points that are not finite, or more than 2^20 voxels from the origin, are left out and
+  /// counted.
   void add(const PointCloud& part);
   /// After the last point: nothing is solid before.
   void close();
@@ -39,8 +40,10 @@ class SolidCloud {
   /// Removes voxels at smaller x than this, metres, except up to 3 m of them.
   void forget_below(float x);
 
-  std::size_t size() const { return size_; }  ///< voxels that hold a point
-  std::vector<BlockId> blocks() const;        ///< that hold a point
+  std::size_t size() const { return size_; }                ///< voxels that hold a point
+  std::uint64_t not_finite() const { return not_finite_; }  ///< points that were left out
+  std::uint64_t too_far() const { return too_far_; }
+  std::vector<BlockId> blocks() const;  ///< that hold a point
   Eigen::Vector3f middle_of(BlockId block) const;
   std::vector<Eigen::Vector3f> points_of(BlockId block) const;
   Eigen::Vector3f point(Voxel voxel) const;
@@ -82,6 +85,7 @@ class SolidCloud {
 
   float voxel_;
   std::size_t size_ = 0;
+  std::uint64_t not_finite_ = 0, too_far_ = 0;
   Eigen::Vector3f low_ = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()), high_ = -low_;
   VoxelIndex cube_at_;  ///< by their keys
   std::vector<Cube> cubes_;

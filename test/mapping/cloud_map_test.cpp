@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -222,7 +223,26 @@ TEST_CASE("up may be any axis, and where nobody could stand the error says so") 
   PointCloud broken = two_rooms(0.1F);
   broken.push_back(std::nanf(""), 0, 0);
   broken.push_back(0, std::numeric_limits<float>::infinity(), 0);
-  CHECK_FALSE(map_of_cloud(broken, "rooms", {}).keyframes.empty());
+  broken.push_back(3e5F, 0, 0);
+  CloudMapBuilder builder({});
+  builder.add(broken);
+  CHECK_FALSE(builder.build("rooms").keyframes.empty());
+  CHECK(builder.left_out() ==
+        "of its " + std::to_string(broken.size()) +
+            " points are left out: 2 that are not finite, 1 that are farther than 100 km from "
+            "its origin");
+  CloudMapBuilder whole({});
+  whole.add(two_rooms(0.1F));
+  whole.build("rooms");
+  CHECK(whole.left_out().empty());
+  PointCloud nothing;
+  for (int i = 0; i < 3; ++i) nothing.push_back(std::nanf(""), 0, 0);
+  CHECK_THROWS_WITH_AS(map_of_cloud(nothing, "nan.ply", {}),
+                       doctest::Contains("nan.ply: none of its 3 points is finite"), std::runtime_error);
+  PointCloud far;
+  far.push_back(3e5F, 0, 0);
+  CHECK_THROWS_WITH_AS(map_of_cloud(far, "far.ply", {}), doctest::Contains("within 100 km"),
+                       std::runtime_error);
 }
 
 TEST_CASE("a map depends neither on the order in which the points of its cloud come, nor on threads") {
