@@ -161,8 +161,8 @@ struct Tracker::State {
       }
     }
     Attempt attempt = odometer->deskew_first(scan, time.elapsed_s(), align_or_retry(scan, prior), true);
-    if (hints.motion &&
-        !check.is_trusted(attempt)) {  // the other sensors decide only where the scans do not suffice
+    // The other sensors decide only where the scans do not suffice.
+    if (hints.motion && !check.is_trusted(attempt)) {
       prior = predict(hints);
       Attempt hinted = odometer->align(scan, prior, Reach::kNear);
       if (check.is_trusted(hinted)) attempt = std::move(hinted);
