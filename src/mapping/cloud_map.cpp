@@ -189,9 +189,10 @@ SavedMap CloudMapBuilder::build(const std::string& name,
   SavedMap map;
   map.keyframes = archive.keyframes();
   if (map.keyframes.empty())
-    throw std::runtime_error(name + ": no floor in it that a robot could stand on and see " +
-                             std::to_string(kLeastSeen) +
-                             " points of what stands there; is up another axis (map.up)?");
+    throw std::runtime_error(
+        name + ": no floor in it that a robot could stand on and see " + std::to_string(kLeastSeen) +
+        " points of what stands there; is its unit another than metres, or up another axis "
+        "(map.up)?");
   // Where ceilings have an upper side it is about as much as the floors below them.
   if (bare > 2 * seen)
     doubt_ = "nothing stands on " + std::to_string(100 * bare / (bare + seen)) +

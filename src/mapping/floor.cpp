@@ -14,6 +14,7 @@ constexpr float kHeadroom = 1.5F;     // metres that are free above a floor
 constexpr float kTile = 4;            // metres: cells and blocks of voxels both divide it
 constexpr int kAcross = 3;            // cells to the next one: what stands on a floor does not divide it
 constexpr double kLeastFloor = 0.05;  // of the widest one: what is less is a roof or a table
+constexpr double kLeastCells = 4;     // 1 m2, which a robot takes: points far apart are no floor
 // Of a tile that is flat enough to tell what stands on it, and that: metres.
 constexpr float kFlatTile = 2, kFlat = 0.1F, kLowest = 0.2F, kHighest = 2;
 
@@ -105,7 +106,8 @@ std::vector<FloorPlace> wide_floors(const std::vector<FloorPlace>& floor) {
   }
   std::vector<FloorPlace> wide;
   if (sizes.empty()) return wide;
-  const double least = kLeastFloor * static_cast<double>(*std::max_element(sizes.begin(), sizes.end()));
+  const double least =
+      std::max(kLeastCells, kLeastFloor * static_cast<double>(*std::max_element(sizes.begin(), sizes.end())));
   for (std::size_t i = 0; i < floor.size(); ++i)
     if (static_cast<double>(sizes[part[i]]) >= least) wide.push_back(floor[i]);
   return wide;

@@ -239,6 +239,11 @@ TEST_CASE("up may be any axis, and where nobody could stand the error says so") 
   for (int i = 0; i < 3; ++i) nothing.push_back(std::nanf(""), 0, 0);
   CHECK_THROWS_WITH_AS(map_of_cloud(nothing, "nan.ply", {}),
                        doctest::Contains("nan.ply: none of its 3 points is finite"), std::runtime_error);
+  PointCloud millimetres = two_rooms(0.05F);
+  for (auto* axis : {&millimetres.x, &millimetres.y, &millimetres.z})
+    for (float& v : *axis) v *= 1000;
+  CHECK_THROWS_WITH_AS(map_of_cloud(millimetres, "mm.ply", {}),
+                       doctest::Contains("is its unit another than metres"), std::runtime_error);
   PointCloud far;
   far.push_back(3e5F, 0, 0);
   CHECK_THROWS_WITH_AS(map_of_cloud(far, "far.ply", {}), doctest::Contains("within 100 km"),
