@@ -55,4 +55,9 @@ TEST_CASE("the table of kidnaps replaces the logs that it kept earlier only with
   CHECK(read_file(note) == "of an earlier run");
   CHECK(run(folder, table_command({"--keep", folder / "", "--force"})).code == 0);
   CHECK(read_file(note) != "of an earlier run");
+
+  const auto whole = std::filesystem::file_size(note);
+  CHECK(run(folder, table_command({"--keep", folder / "", "--force", "--gap", "0.3"})).code == 0);
+  CHECK(std::filesystem::file_size(note) < whole);
+  CHECK(run(folder, table_command({"--gap", "-1"})).code == 2);
 }
