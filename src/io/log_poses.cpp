@@ -146,6 +146,7 @@ LogPoses read_log_poses(const std::string& path, const std::string& channel) {
 
 bool is_log(const std::string& path) {
   if (std::filesystem::path(path).extension() == ".lcmlog") return true;
+  if (!std::filesystem::is_regular_file(path)) return false;  // of a pipe nobody may be at the other end
   std::ifstream file(path, std::ios::binary);
   std::array<char, 4> start{};
   return file.read(start.data(), start.size()) && std::string(start.data(), 4) == "\xED\xA1\xDA\x01";

@@ -256,6 +256,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
       ended_->reason.insert(0, "a place that is being tried: ");
       return;
     }
+    undecided_ = tried;  // rivals of the new one
     refuse("a later search finds another place: ");
   }
   std::vector<Pose> places = rivals_of(answer);

@@ -45,7 +45,8 @@ struct Displaced {
   }
 
   /// False: it was not asked.
-  bool propose(unsigned i, const std::vector<Pose>& rivals, double log_odds = kBelieved, double voxel = 0.1) {
+  bool propose(unsigned i, const std::vector<Pose>& rivals, double log_odds = kBelieved, double voxel = 0.1,
+               const Pose& place = Pose::Identity()) {
     const auto request = relocation.take_request(100000 * i, archive, std::nullopt);
     if (!request) return false;
     RecoveryAnswer answer;
@@ -55,7 +56,7 @@ struct Displaced {
     answer.log_odds = log_odds;
     answer.voxel = voxel;
     answer.certified = true;
-    answer.map_from_predicted = lost.inverse();
+    answer.map_from_predicted = place * lost.inverse();
     for (const Pose& rival : rivals) answer.rivals.push_back(rival * lost.inverse());
     relocation.give(answer, archive, first.voxel, odometer);
     return true;
@@ -92,6 +93,26 @@ TEST_CASE("a place is not believed before its twin, which the map at hand does n
   robot.lose_in({Pose::Identity(), twin});
   CHECK(robot.follow(twin) == Relocation::Outcome::kLost);
   CHECK(robot.relocation.state() == TrackingState::kAmbiguous);
+}
+
+TEST_CASE("twins that scans have not told apart stay rivals when a later search finds another place") {
+  TrackerConfig config;
+  config.max_keyframes = 4;
+  const Pose twin(Eigen::Translation3d(40, 0, 0)), elsewhere(Eigen::Translation3d(0, 0, 6));
+  Displaced robot(config);
+  robot.lose_in({Pose::Identity(), twin});
+  Attempt attempt;
+  auto outcome = Relocation::Outcome::kLost;
+  int given = 0;
+  for (unsigned i = 1; i < 14 && outcome == Relocation::Outcome::kLost; ++i) {
+    outcome = robot.relocation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
+    const bool again = given == 1;
+    if (given < 2)
+      given += robot.propose(i, again ? std::vector<Pose>() : std::vector<Pose>{twin}, kBelieved,
+                             again ? 0.2 : 0.1, again ? elsewhere : Pose::Identity());
+  }
+  REQUIRE(given == 2);
+  CHECK(outcome == Relocation::Outcome::kLost);
 }
 
 TEST_CASE("a rival that the archive does not show better does not take the map away") {
