@@ -11,6 +11,7 @@
 #include <cctype>
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -187,6 +188,7 @@ void say(const char* program, const char* sentence) {
 int run_program(const char* program, const char* description, int argc, char** argv,
                 const std::function<void(CommandLine)>& declare, const std::function<int()>& work) {
   occupy_standard_streams();
+  std::signal(SIGXFSZ, SIG_IGN);  // beyond a limit (ulimit -f) a write fails, and says so
   try {
     std::cerr.tie(nullptr);  // it would flush standard output, and nobody would look at what came of that
     CLI::App app(description, program);
