@@ -191,8 +191,7 @@ SavedMap CloudMapBuilder::build(const std::string& name,
   if (map.keyframes.empty())
     throw std::runtime_error(
         name + ": no floor in it that a robot could stand on and see " + std::to_string(kLeastSeen) +
-        " points of what stands there; is its unit another than metres, or up another axis "
-        "(map.up)?");
+        " points of what stands there; is its unit another than metres, or up another axis (map.up)?");
   // Where ceilings have an upper side it is about as much as the floors below them.
   if (bare > 2 * seen)
     doubt_ = "nothing stands on " + std::to_string(100 * bare / (bare + seen)) +

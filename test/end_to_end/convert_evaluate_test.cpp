@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 // scanlock-convert and scanlock-evaluate as a person or a script meets them.
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -88,6 +89,23 @@ TEST_CASE("evaluate prints one JSON object with the members of the contract") {
   CHECK(contains(laid.output, "\ndrive                the first\n"));
   CHECK(laid.output.substr(0, laid.output.find('\n')) == "laid over by         se3");
   CHECK(std::filesystem::file_size(folder / "p.html") > std::filesystem::file_size(folder / "p.svg"));
+}
+
+TEST_CASE("convert does not wait for a pipe, and leaves nothing where a file may grow no further") {
+  const TemporaryFolder folder;
+  REQUIRE(mkfifo((folder / "pipe.ply").c_str(), 0600) == 0);
+  const Result pipe = run(folder, {"scanlock-convert", folder / "pipe.ply", folder / "site.map"});
+  CHECK(pipe.code == 1);
+  CHECK(contains(pipe.errors, "pipe.ply: not a regular file"));
+
+  write_trajectories(folder);
+  const Result limited =
+      run(folder, {"bash", "-c", "ulimit -f 1; exec \"$@\"", "bash", SCANLOCK_BIN_DIR "/scanlock-convert",
+                   folder / "reference.tum", folder / "reference.kitti"});
+  CHECK(limited.code == 1);
+  CHECK(contains(limited.errors, "reference.kitti: cannot be written: File too large"));
+  for (const auto& entry : std::filesystem::directory_iterator(folder / ""))
+    CHECK(!contains(entry.path().string(), "reference.kitti"));
 }
 
 TEST_CASE("convert carries trajectories to and fro and scans into a log that it can tell about") {
