@@ -43,7 +43,8 @@ struct Result {
   std::array<std::int64_t, 6> states{};
   std::int64_t recoveries = 0, loop_closures = 0, false_starts = 0;
   double distance_m = 0;
-  std::vector<double> scan_ms;  // wall clock, each scan
+  std::optional<double> found_after_s;  // since the first scan: the first pose in the map, given or its own
+  std::vector<double> scan_ms;          // wall clock, each scan
   /// Pieces of the trajectory without a jump, where the robot knows its place in the map.
   std::vector<std::pair<std::size_t, std::size_t>> pieces;       // first pose, and the one after the last
   std::vector<std::pair<std::size_t, std::string>> corrections;  // pose, and why
@@ -62,9 +63,10 @@ struct Result {
     epoch_ = tracked.epoch;
     trajectory.push_back({static_cast<double>(tracked.utime) * 1e-6, tracked.map_from_body});
     stamps.push_back(tracked.stamp);
+    if (!tracked.localised) return;
+    if (!found_after_s) found_after_s = trajectory.back().time_s - trajectory.front().time_s;
     if (corrected) corrections.emplace_back(trajectory.size() - 1, tracked.recovery->reason);
-    const bool known = tracked.localised && (tracked.state == TrackingState::kTracking ||
-                                             tracked.state == TrackingState::kDegraded);
+    const bool known = tracked.state == TrackingState::kTracking || tracked.state == TrackingState::kDegraded;
     if (!known) return;
     if (pieces.empty() || corrected || pieces.back().second + 1 != trajectory.size())
       pieces.emplace_back(trajectory.size() - 1, trajectory.size());
@@ -86,10 +88,12 @@ constexpr float kPictureVoxel = 0.1F;  // metres
 
 MapPicture picture_of(const Result& result, const Pipeline& pipeline, const Options& options) {
   MapPicture picture;
-  picture.map = pipeline.archived(kPictureVoxel);
+  const bool given = !options.start_map_path.empty();
+  picture.map = pipeline.archived(kPictureVoxel, given ? Pipeline::Part::kFirst : Pipeline::Part::kAll);
   picture.title = std::filesystem::path(options.log_path).filename().string();
-  if (!options.start_map_path.empty())
-    picture.title += " in " + std::filesystem::path(options.start_map_path).filename().string();
+  if (given)
+    picture.title += (result.found_after_s ? " in " : ", not found in ") +
+                     std::filesystem::path(options.start_map_path).filename().string();
   const auto position = [&](std::size_t i) {
     return Eigen::Vector3d(result.trajectory[i].pose.translation());
   };
@@ -155,6 +159,8 @@ void print(const Json& s) {
       "%-16s tracking %lld, degraded %lld, recovering %lld, ambiguous %lld, lost %lld, initialising %lld\n",
       "states", count(states["tracking"]), count(states["degraded"]), count(states["recovering"]),
       count(states["ambiguous"]), count(states["lost"]), count(states["initialising"]));
+  if (s.contains("found_after_s") && !s["found_after_s"].is_null())
+    std::printf("%-16s after %.1f s in the map\n", "found", real(s["found_after_s"]));
   std::printf("%-16s p50 %.1f ms, p95 %.1f ms, p99 %.1f ms, max %.1f ms\n", "time of a scan", real(ms["p50"]),
               real(ms["p95"]), real(ms["p99"]), real(ms["max"]));
   std::printf("%-16s CPU %.1f s, peak memory %.0f MB\n", "whole run", real(s["cpu_s"]),
@@ -238,7 +244,13 @@ int run(const Options& options) {
     write_file_bytes(options.picture_path, map_svg(picture_of(result, pipeline, options)));
   if (!damage.empty()) std::cerr << "scanlock-odometry: " << damage << "\n";
   print_faults(statistics);
-  const Json s = summary(result, statistics.report().counters);
+  Json s = summary(result, statistics.report().counters);
+  if (!options.start_map_path.empty()) {
+    s["found_after_s"] = result.found_after_s ? Json(*result.found_after_s) : Json();
+    if (!result.found_after_s)
+      std::cerr << "scanlock-odometry: the place was not found in " << options.start_map_path
+                << ": the poses are in a frame of the log's own\n";
+  }
   if (options.json)
     print_json(s);
   else
@@ -261,8 +273,10 @@ void declare(CommandLine line, Options& options) {
   line.option("--kitti", options.kitti_path, "write the trajectory (KITTI), likewise");
   line.option("--output", options.output_path,
               "write poses and odometry messages (LCM log), as they were at the time");
-  line.option("--start-map", options.start_map_path,
-              "map to find the place in (.map, .ply, .pcd), as scanlockd --map; it is not written");
+  line.option(
+      "--start-map", options.start_map_path,
+      "map to find the place in (.map, .ply, .pcd), as scanlockd --map; it is not written. Until it is "
+      "found, if ever, poses are in a frame of the log's own (JSON: found_after_s, or null)");
   line.option("--map", options.map_path, "write the map at the end (.ply)");
   line.option(
       "--picture", options.picture_path,

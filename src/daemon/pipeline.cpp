@@ -5,8 +5,10 @@
 #include <array>
 #include <exception>
 #include <stdexcept>
+#include <utility>
 
 #include "daemon/mount.hpp"
+#include "mapping/submap.hpp"
 
 namespace scanlock {
 namespace {
@@ -146,6 +148,12 @@ void Pipeline::attempt(const Command& command) {
 
 void Pipeline::save_map_when_due() {
   if (maps_.is_due(Clock::now())) maps_.save_if_grown(mapper_.save());
+}
+
+PointCloud Pipeline::archived(float voxel, Part part) const {
+  SavedMap map = mapper_.save();
+  if (part == Part::kFirst) map = first_submap(std::move(map));
+  return moved(cloud_of_map(map, voxel), body_from_sensor_);
 }
 
 void Pipeline::finish() {

@@ -49,11 +49,12 @@ class Pipeline {
   /// In the frame of the poses that it tells.
   PointCloud map() const { return moved(mapper_.map(), body_from_sensor_); }
 
-  /// All that is archived, of the submap that the robot is in and of those before it, likewise; thinned to
-  /// `voxel` metres.
-  PointCloud archived(float voxel) const {
-    return moved(cloud_of_map(mapper_.save(), voxel), body_from_sensor_);
-  }
+  enum class Part : std::int8_t {
+    kAll,    ///< the submap that the robot is in, and those before it
+    kFirst,  ///< the map that was given, and what has become one with it since
+  };
+  /// What is archived, likewise; thinned to `voxel` metres.
+  PointCloud archived(float voxel, Part part) const;
 
   /// For trajectories that are written at the end: see Mapper.
   void keep_history() { mapper_.keep_history(); }

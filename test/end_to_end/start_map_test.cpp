@@ -58,6 +58,8 @@ TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in i
   CAPTURE(there.output);
   REQUIRE(there.code == 0);
   CHECK(contains(there.output, "\"recoveries\":1,"));
+  CHECK(contains(there.output, "\"found_after_s\":"));
+  CHECK_FALSE(contains(there.output, "\"found_after_s\":null"));
   // The map's frame is the sensor's at the first scan of its drive, where the other one begins, too.
   const Trajectory truth = read_tum(other + ".tum");
   Trajectory expected = truth;
@@ -87,6 +89,30 @@ TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in i
   REQUIRE(growing.code == 0);
   CHECK(read_file(grown) == bytes);
   CHECK(read_map(folder / "grown.map").keyframes.size() > 3);
+}
+
+TEST_CASE("a replay in the map of another place says that the place was not found") {
+  const TemporaryFolder folder;
+  PointCloud room;  // 12 m by 9 m
+  for (int x = 0; x <= 120; ++x) {
+    for (int y = 0; y <= 90; ++y) {
+      const bool wall = x == 0 || x == 120 || y == 0 || y == 90;
+      for (int z = 0; z <= (wall ? 25 : 0); ++z)
+        room.push_back(0.1F * static_cast<float>(x), 0.1F * static_cast<float>(y),
+                       0.1F * static_cast<float>(z));
+    }
+  }
+  write_cloud(folder / "room.ply", room);
+  const Result result =
+      run(folder, {"scanlock-odometry", std::string(SCANLOCK_SOURCE_DIR) + "/test/logs/drive_urban.lcmlog",
+                   "--start-map", folder / "room.ply", "--picture", folder / "room.svg", "--json"});
+  CAPTURE(result.errors);
+  CHECK(result.code == 0);
+  CHECK(contains(result.errors, "not found in " + (folder / "room.ply")));
+  CHECK(contains(result.output, "\"found_after_s\":null"));
+  const std::string picture = read_file(folder / "room.svg");
+  CHECK(contains(picture, "not found in room.ply"));
+  CHECK_FALSE(contains(picture, "class=\"place\""));  // nor where the robot sought itself in its own map
 }
 
 TEST_CASE("what no map can be made of is exit 1 and one line that names it and says why") {
