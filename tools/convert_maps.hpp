@@ -10,6 +10,7 @@
 
 #include "convert_options.hpp"
 #include "daemon/map_store.hpp"
+#include "geometry/rigid.hpp"
 #include "io/cloud_file.hpp"
 #include "io/map_file.hpp"
 #include "mapping/cloud_map.hpp"
@@ -26,6 +27,7 @@ inline void report_map(const ConvertOptions& options, const SavedMap& map, std::
 inline void cloud_to_map(const ConvertOptions& options) {
   CloudMapOptions how;
   how.threads = machine_threads();
+  how.map_from_cloud = Pose(level_rotation(axis_of(options.up)));
   CloudMapBuilder builder(how);
   std::size_t points = 0;
   {

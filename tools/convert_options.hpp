@@ -10,6 +10,7 @@
 #include <string>
 
 #include "command_line.hpp"
+#include "daemon/map_store.hpp"
 #include "io/progress_bar.hpp"
 #include "io/scan_log.hpp"
 
@@ -21,7 +22,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::array kScanMessages = {"pointcloud2", "pointcloud", "drake", "sectors", "planar"};
 
 struct ConvertOptions {
-  std::string input, output, merged, channel, type = "pointcloud2", format = "bin";
+  std::string input, output, merged, channel, type = "pointcloud2", format = "bin", up = "z";
   std::optional<std::size_t> scan;
   ScanDirectory::Clock clock;
   bool info = false, json = false, force = false;
@@ -37,8 +38,9 @@ constexpr const char* kFooter = R"(What is done depends on IN and OUT:
                             one scan, which --scan names where the log has several; in the sensor's frame, not deskewed
   LOG --info                channels, types, counts, rates, gaps; damage is passed over, counted and reported
   SITE.ply|SITE.pcd SITE.map
-                            a cloud of any program into a map for scanlockd --map, for a sensor at the body's origin; z
-                            is up. (--map takes the cloud, too; the .map loads faster.)
+                            a cloud of any program into a map for scanlockd --map, for a sensor at the body's origin, in
+                            the cloud's frame; with --up, turned so that z is up. (--map takes the cloud, too; the
+                            .map loads faster.)
   SITE.map SITE.ply|SITE.pcd
                             what the keyframes of a map have seen, as one cloud in its frame, thinned to 5 cm; submaps that
                             nothing ties to its frame are left out
@@ -69,6 +71,8 @@ inline void declare_convert_options(CommandLine line, ConvertOptions& options) {
   line.option("--format", options.format, "of the scans in a new directory: bin, pcd or ply (default: bin)")
       .one_of({"bin", "pcd", "ply"});
   line.option("--scan", options.scan, "the number of the scan for a cloud OUT, from 0 on").from_zero();
+  line.option("--up", options.up, "the axis of a cloud SITE.ply or SITE.pcd that points upwards (default: z)")
+      .one_of({kAxes.begin(), kAxes.end()});
   line.option("--period", options.clock.period_s,
               "seconds from scan to scan without times.txt (default: 0.1)")
       .above_zero();

@@ -43,6 +43,17 @@ void check_kind(const ConvertOptions& options, bool from_directory, bool to_dire
                              "and poses into a .tum or .kitti, not into " + output);
 }
 
+/// For an IN that is neither a directory nor a log, and no cloud or map that becomes the other.
+void check_file_kind(const std::string& input, const std::string& output, bool to_trajectory) {
+  if (is_bare_cloud(input))
+    throw std::runtime_error(output + ": name a map .map, which the cloud " + input + " becomes");
+  if (has_extension(input, {".map"}))
+    throw std::runtime_error(output + ": name a cloud .ply or .pcd, which the map " + input + " becomes");
+  if (!to_trajectory)
+    throw std::runtime_error(output + ": name a trajectory .tum, .kitti or .txt (" + input +
+                             " is neither a directory nor an LCM log)");
+}
+
 void convert(const ConvertOptions& options) {
   const std::string &input = options.input, &output = options.output;
   const bool directory = std::filesystem::is_directory(input), log = !directory && is_log(input);
@@ -52,11 +63,10 @@ void convert(const ConvertOptions& options) {
   const bool file = !directory && !log;
   const bool to_map = file && is_bare_cloud(input) && has_extension(output, {".map"});
   const bool from_map = file && has_extension(input, {".map"}) && is_bare_cloud(output);
-  if (file && !to_map && !from_map && !to_trajectory)
-    throw std::runtime_error(output + ": name a trajectory .tum, .kitti or .txt (" + input +
-                             " is neither a directory nor an LCM log)");
-  if (options.scan && !to_map && !from_map && !to_cloud)
+  if (file && !to_map && !from_map) check_file_kind(input, output, to_trajectory);
+  if (options.scan && !to_cloud)
     throw UsageError("--scan goes with a log and a cloud OUT (.pcd, .ply or .bin)");
+  if (options.up != "z" && !to_map) throw UsageError("--up goes with a cloud IN and a map OUT");
   check_outputs({{input}, {to_directory ? "" : output}, to_directory ? output : ""}, options.force);
   check_kind(options, directory, to_directory);
   if (to_map) return cloud_to_map(options);

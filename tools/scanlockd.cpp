@@ -64,8 +64,8 @@ class SignalThread {
     // a slow disk), a robot that shuts down does not wait for it.
     if (ended_.wait_for(std::chrono::milliseconds(900))) return;
     log_line(LogLevel::kWarning, unsaved_
-                                     ? "ended without waiting for the scan at hand: the map was not saved"
-                                     : "ended without waiting for the scan at hand");
+                                     ? "ended without waiting for the work at hand: the map was not saved"
+                                     : "ended without waiting for the work at hand");
     std::_Exit(unsaved_ ? 1 : 0);
   }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -18,6 +19,9 @@ struct MountConfig {
 };
 /// Maps coordinates of the sensor to coordinates of the body.
 Pose body_from_sensor(const MountConfig& mount);
+
+/// The values of map.up.
+inline constexpr std::array kAxes = {"x", "-x", "y", "-y", "z", "-z"};
 
 /// The map that outlives a run.
 struct MapConfig {

@@ -83,7 +83,7 @@ std::vector<ConfigKey> make_table() {
 
     make_key("map", "file", &F::file, "", 0, 4000, "map to find the place in at the start, where the file exists, and to save to on exit; .ply or .pcd: a bare cloud of any program, which is never written; empty: none"),
     make_key("map", "mode", &F::mode, "", 0, 16, "localise: the map is right, and stays as it is; extend: it grows, and is saved (of a bare cloud as .map beside it); auto: localise in a bare cloud, else extend", {"auto", "extend", "localise"}),
-    make_key("map", "up", &F::up, "", 0, 2, "axis of a bare cloud that points upwards", {"x", "-x", "y", "-y", "z", "-z"}),
+    make_key("map", "up", &F::up, "", 0, 2, "axis of a bare cloud that points upwards", {kAxes.begin(), kAxes.end()}),
     make_key("map", "save_period_s", &F::save_period_s, "s", 0, 86400, "the map is also saved so often when it has grown, for an exit that is not clean; 0: not"),
 
     TRACKER(min_range_m, "m", 0, 1000, "returns nearer than this are the robot itself; those of planar scanners: see the next one"),

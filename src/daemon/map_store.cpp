@@ -15,6 +15,7 @@
 
 #include "daemon/mount.hpp"
 #include "io/cloud_file.hpp"
+#include "io/input_file.hpp"
 #include "io/map_file.hpp"
 #include "mapping/cloud_map.hpp"
 
@@ -64,11 +65,6 @@ bool stays_as_it_is(const MapConfig& config, const std::string& file) {
   return config.mode == "localise" || (config.mode == "auto" && is_bare_cloud(file));
 }
 
-/// x, y, z, -x, -y or -z, as the configuration has checked.
-Eigen::Vector3d axis_of(const std::string& name) {
-  return (name.front() == '-' ? -1 : 1) * Eigen::Vector3d::Unit(name.back() - 'x');
-}
-
 void keep(const std::string& file, const Statistics& statistics) {
   const std::string kept = file + ".old";
   std::error_code error;
@@ -80,6 +76,10 @@ void keep(const std::string& file, const Statistics& statistics) {
 }
 
 }  // namespace
+
+Eigen::Vector3d axis_of(const std::string& name) {
+  return (name.front() == '-' ? -1 : 1) * Eigen::Vector3d::Unit(name.back() - 'x');
+}
 
 bool is_bare_cloud(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension();
@@ -130,6 +130,7 @@ LoadedMap MapStore::load(const std::string& path) const {
 
 /// A bare cloud is of the body's map frame, all other maps are of the sensor's.
 LoadedMap MapStore::read(const std::string& file) const {
+  const InputFile readable(file);  // its error comes before anything is said of it
   LoadedMap loaded;
   loaded.fixed = stays_as_it_is(config_, file);
   const Pose sensor_from_body = body_from_sensor_.inverse();

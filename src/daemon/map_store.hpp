@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <chrono>
 #include <exception>
 #include <future>
@@ -16,6 +17,9 @@ namespace scanlock {
 
 /// Whether a path names a bare cloud, which a map can be made of: .ply or .pcd, in any case.
 bool is_bare_cloud(const std::string& path);
+
+/// The unit vector of one of kAxes.
+Eigen::Vector3d axis_of(const std::string& name);
 
 /// Where a map is saved to without being told: the configured file, or the .map beside a bare cloud; empty
 /// where none is configured, and where it stays as it is.

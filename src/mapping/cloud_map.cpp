@@ -191,15 +191,15 @@ SavedMap CloudMapBuilder::build(const std::string& name,
   if (map.keyframes.empty())
     throw std::runtime_error(
         name + ": no floor in it that a robot could stand on and see " + std::to_string(kLeastSeen) +
-        " points of what stands there; is its unit another than metres, or up another axis (map.up)?");
+        " points of what stands there; is its unit another than metres, or up another axis (map.up, --up)?");
   // Where ceilings have an upper side it is about as much as the floors below them.
   if (bare > 2 * seen)
     doubt_ = "nothing stands on " + std::to_string(100 * bare / (bare + seen)) +
-             " % of its floor; is up another axis (map.up)?";
+             " % of its floor; is up another axis (map.up, --up)?";
   if (floors.hanging > 2 * floors.standing + kMuch)
     doubt_ = "more hangs from its ceilings (" + square_metres(floors.hanging) +
              ") than stands on its floors (" + square_metres(floors.standing) +
-             "): is it upside down (map.up)?";
+             "): is it upside down (map.up, --up)?";
   map.last_pose = map.keyframes.front().map_from_body;
   map.up = options_.up.normalized();
   for (const ArchivedKeyframe& k : map.keyframes)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <tuple>
 
 #include "../contains.hpp"
 #include "io/cloud_file.hpp"
@@ -26,6 +27,23 @@ double farthest(const Trajectory& some, const Trajectory& others, std::size_t co
     }
   }
   return most;
+}
+
+/// 12 m by 9 m, 2.5 m high, without a ceiling; near a corner is the origin. No point is at a border of voxels
+/// of 0.1 m, so that rounding does not matter.
+PointCloud room() {
+  PointCloud cloud;
+  for (int x = 0; x <= 120; ++x) {
+    for (int y = 0; y <= 90; ++y) {
+      const bool wall = x == 0 || x == 120 || y == 0 || y == 90;
+      for (int z = 0; z <= (wall ? 25 : 0); ++z) {
+        const Eigen::Vector3f p =
+            0.1F * Eigen::Vector3i(x, y, z).cast<float>() + Eigen::Vector3f::Constant(0.05F);
+        cloud.push_back(p.x(), p.y(), p.z());
+      }
+    }
+  }
+  return cloud;
 }
 
 }  // namespace
@@ -93,16 +111,7 @@ TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in i
 
 TEST_CASE("a replay in the map of another place says that the place was not found") {
   const TemporaryFolder folder;
-  PointCloud room;  // 12 m by 9 m
-  for (int x = 0; x <= 120; ++x) {
-    for (int y = 0; y <= 90; ++y) {
-      const bool wall = x == 0 || x == 120 || y == 0 || y == 90;
-      for (int z = 0; z <= (wall ? 25 : 0); ++z)
-        room.push_back(0.1F * static_cast<float>(x), 0.1F * static_cast<float>(y),
-                       0.1F * static_cast<float>(z));
-    }
-  }
-  write_cloud(folder / "room.ply", room);
+  write_cloud(folder / "room.ply", room());
   const Result result =
       run(folder, {"scanlock-odometry", std::string(SCANLOCK_SOURCE_DIR) + "/test/logs/drive_urban.lcmlog",
                    "--start-map", folder / "room.ply", "--picture", folder / "room.svg", "--json"});
@@ -113,6 +122,46 @@ TEST_CASE("a replay in the map of another place says that the place was not foun
   const std::string picture = read_file(folder / "room.svg");
   CHECK(contains(picture, "not found in room.ply"));
   CHECK_FALSE(contains(picture, "class=\"place\""));  // nor where the robot sought itself in its own map
+}
+
+TEST_CASE("a cloud whose y axis points upwards becomes, with --up, the map of the same cloud with z up") {
+  const TemporaryFolder folder;
+  const PointCloud upright = room();
+  PointCloud lying;  // by a quarter of a turn about x
+  for (std::size_t i = 0; i < upright.size(); ++i) {
+    const Eigen::Vector3f p = upright.point(i);
+    lying.push_back(p.x(), p.z(), -p.y());
+  }
+  write_cloud(folder / "z.ply", upright);
+  write_cloud(folder / "y.ply", lying);
+  REQUIRE(run(folder, {"scanlock-convert", folder / "z.ply", folder / "z.map"}).code == 0);
+  REQUIRE(run(folder, {"scanlock-convert", folder / "y.ply", folder / "y.map", "--up", "y"}).code == 0);
+  const SavedMap of_z = read_map(folder / "z.map"), of_y = read_map(folder / "y.map");
+  REQUIRE(of_y.keyframes.size() == of_z.keyframes.size());
+  for (std::size_t i = 0; i < of_z.keyframes.size(); ++i) {
+    const Pose &y = of_y.keyframes[i].map_from_body, &z = of_z.keyframes[i].map_from_body;
+    CHECK((y.translation() - z.translation()).norm() < 0.01);
+    CHECK(y.linear().isApprox(z.linear(), 1e-6));
+  }
+  const Result cloud = run(folder, {"scanlock-convert", folder / "y.map", folder / "again.ply", "--up", "y"});
+  CHECK(cloud.code == 2);
+  CHECK(contains(cloud.errors, "--up goes with a cloud IN and a map OUT"));
+}
+
+TEST_CASE("a cloud and a map say what they become where OUT names something else") {
+  const TemporaryFolder folder;
+  write_cloud(folder / "room.ply", room());
+  write_map(folder / "site.map", {});
+  for (const auto& [in, out, reason] :
+       {std::tuple("room.ply", "room.tum", "room.tum: name a map .map, which the cloud"),
+        std::tuple("site.map", "two.map", "two.map: name a cloud .ply or .pcd, which the map")}) {
+    const std::string expected = reason;
+    CAPTURE(expected);
+    const Result result = run(folder, {"scanlock-convert", folder / in, folder / out});
+    CHECK(result.code == 1);
+    CHECK(contains(result.errors, expected));
+    CHECK_FALSE(std::filesystem::exists(folder / out));
+  }
 }
 
 TEST_CASE("what no map can be made of is exit 1 and one line that names it and says why") {
