@@ -39,7 +39,9 @@ class HealthMonitor {
   bool has_history() const { return count_ > 0; }
 
  private:
-  static constexpr std::size_t kHistory = 50, kYoung = 5;  // scans
+  /// Scans: those since which the scale of residuals is about the same (Odometer smooths it over as many). A
+  /// longer memory takes a slow change of the scene, as of a wood that a robot drives into, for a jump.
+  static constexpr std::size_t kHistory = 10, kYoung = 5;
   std::array<double, kHistory> history_{}, shares_{};
   std::size_t count_ = 0;  ///< remembered since the last forget
 };

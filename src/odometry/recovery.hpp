@@ -67,8 +67,8 @@ inline constexpr double kSoundContradiction = 0.015;
 /// closely the scans that follow fit there, from which it is believed. Of 2456 strange searches one had more
 /// than 4.5; the fit spoke against 38 of 50 strange places and against 26 of 198 right ones.
 inline constexpr double kBelieved = 5.0;
-/// The most of these, and the least, that closeness of fit adds: by scans that fit as closely as usual.
-inline constexpr double kFitsAsUsual = 2.0;
+/// The most of these, and the least, that the fit of the scans adds: by those that fit as usual.
+inline constexpr double kFitsAsUsual = 2.5;
 /// Log odds before any search that a robot lost in a map of its own is somewhere in it: 20 to 1.
 inline constexpr double kInOwnMap = 3.0;
 /// What searches that name the same place say together, by the most that one says and the sum of all: half
