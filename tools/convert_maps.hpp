@@ -43,8 +43,7 @@ inline void cloud_to_map(const ConvertOptions& options) {
     ProgressBar bar("map");
     map = builder.build(options.input, bar.updater());
   }
-  for (const std::string& warning : {builder.left_out(), builder.doubt()})
-    if (!warning.empty()) warn(options, warning);
+  for (const std::string& warning : builder.warnings()) warn(options, warning);
   write_map(options.output, map);
   report_map(options, map, points);
 }

@@ -140,8 +140,7 @@ LoadedMap MapStore::read(const std::string& file) const {
     CloudMapBuilder builder({up, max_range_m_, sensor_from_body, threads_});
     read_cloud(file, [&](PointCloud&& part) { builder.add(std::move(part)); });
     loaded.map = builder.build(file);
-    for (const std::string& warning : {builder.left_out(), builder.doubt()})
-      if (!warning.empty()) statistics_.complain(file + ": " + warning);
+    for (const std::string& warning : builder.warnings()) statistics_.complain(file + ": " + warning);
   } else {
     loaded.map = read_map(file);
     if (file == saved_file_ && is_bare_cloud(config_.file))

@@ -140,9 +140,9 @@ SavedMap CloudMapBuilder::build(const std::string& name,
     throw std::runtime_error(name + ": none of its " + std::to_string(points_) +
                              " points is within 100 km of its origin; subtract an offset from them");
   if (solid_.not_finite() + solid_.too_far() > 0)
-    left_out_ = "of its " + std::to_string(points_) +
-                " points are left out: " + std::to_string(solid_.not_finite()) + " that are not finite, " +
-                std::to_string(solid_.too_far()) + " that are farther than 100 km from its origin";
+    warnings_.push_back("of its " + std::to_string(points_) + " points are left out: " +
+                        std::to_string(solid_.not_finite()) + " that are not finite, " +
+                        std::to_string(solid_.too_far()) + " that are farther than 100 km from its origin");
   solid_.close();
   const Floors floors = find_floors(solid_);
   const std::vector<FloorPlace> places = wide_floors(floors.places);
@@ -194,12 +194,12 @@ SavedMap CloudMapBuilder::build(const std::string& name,
         " points of what stands there; is its unit another than metres, or up another axis (map.up, --up)?");
   // Where ceilings have an upper side it is about as much as the floors below them.
   if (bare > 2 * seen)
-    doubt_ = "nothing stands on " + std::to_string(100 * bare / (bare + seen)) +
-             " % of its floor; is up another axis (map.up, --up)?";
+    warnings_.push_back("nothing stands on " + std::to_string(100 * bare / (bare + seen)) +
+                        " % of its floor; is up another axis (map.up, --up)?");
   if (floors.hanging > 2 * floors.standing + kMuch)
-    doubt_ = "more hangs from its ceilings (" + square_metres(floors.hanging) +
-             ") than stands on its floors (" + square_metres(floors.standing) +
-             "): is it upside down (map.up, --up)?";
+    warnings_.push_back("more hangs from its ceilings (" + square_metres(floors.hanging) +
+                        ") than stands on its floors (" + square_metres(floors.standing) +
+                        "): is it upside down (map.up, --up)?");
   map.last_pose = map.keyframes.front().map_from_body;
   map.up = options_.up.normalized();
   for (const ArchivedKeyframe& k : map.keyframes)

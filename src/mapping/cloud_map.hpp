@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "geometry/point_cloud.hpp"
 #include "geometry/rigid.hpp"
@@ -35,18 +36,17 @@ class CloudMapBuilder {
   /// floors. `progress`: area of floor done and in all, any unit.
   SavedMap build(const std::string& name,
                  const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
-  /// After build(), a warning where nothing stands on most of the floor: an open field, or a cloud that is
-  /// upside down; or where more hangs from its ceilings than stands on its floors. Empty otherwise.
-  const std::string& doubt() const { return doubt_; }
-  /// After build(), how many points were left out, and why. Empty where none was.
-  const std::string& left_out() const { return left_out_; }
+  /// After build(), each a sentence: how many points were left out, and why; that nothing stands on most of
+  /// the floor (an open field, or a cloud that is upside down); or that more hangs from its ceilings than
+  /// stands on its floors.
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
   CloudMapOptions options_;
   Eigen::Matrix3d level_;  ///< rotation; its z axis is up
   SolidCloud solid_;       ///< in the level frame
   std::uint64_t points_ = 0;
-  std::string doubt_, left_out_;
+  std::vector<std::string> warnings_;
 };
 
 /// The same for a cloud as a whole.

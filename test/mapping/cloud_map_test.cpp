@@ -179,13 +179,14 @@ TEST_CASE(
   CloudMapBuilder rooms(options), yard(options);
   rooms.add(two_rooms(0.05F));
   rooms.build("rooms");
-  CHECK(rooms.doubt().empty());
+  CHECK(rooms.warnings().empty());
   PointCloud cloud;
   add_rectangle({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.05F, &cloud);
   add_rectangle({1, 1, 0}, {1, 0, 0}, {0, 0, 2}, 0.05F, &cloud);
   yard.add(cloud);
   CHECK_FALSE(yard.build("yard").keyframes.empty());
-  CHECK(yard.doubt().find("is up another axis") != std::string::npos);
+  REQUIRE(yard.warnings().size() == 1);
+  CHECK(yard.warnings().front().find("is up another axis") != std::string::npos);
 }
 
 TEST_CASE("rooms whose furniture hangs from the ceiling are doubted: they are upside down") {
@@ -197,10 +198,11 @@ TEST_CASE("rooms whose furniture hangs from the ceiling are doubted: they are up
   CloudMapBuilder upright({}), upside_down({});
   upright.add(cloud);
   upright.build("rooms");
-  CHECK(upright.doubt().empty());
+  CHECK(upright.warnings().empty());
   upside_down.add(moved(cloud, Pose(over)));
   upside_down.build("rooms");
-  CHECK(upside_down.doubt().find("is it upside down") != std::string::npos);
+  REQUIRE_FALSE(upside_down.warnings().empty());
+  CHECK(upside_down.warnings().back().find("is it upside down") != std::string::npos);
 }
 
 TEST_CASE("up may be any axis, and where nobody could stand the error says so") {
@@ -227,14 +229,15 @@ TEST_CASE("up may be any axis, and where nobody could stand the error says so") 
   CloudMapBuilder builder({});
   builder.add(broken);
   CHECK_FALSE(builder.build("rooms").keyframes.empty());
-  CHECK(builder.left_out() ==
+  REQUIRE_FALSE(builder.warnings().empty());
+  CHECK(builder.warnings().front() ==
         "of its " + std::to_string(broken.size()) +
             " points are left out: 2 that are not finite, 1 that are farther than 100 km from "
             "its origin");
   CloudMapBuilder whole({});
   whole.add(two_rooms(0.1F));
   whole.build("rooms");
-  CHECK(whole.left_out().empty());
+  CHECK(whole.warnings().empty());
   PointCloud nothing;
   for (int i = 0; i < 3; ++i) nothing.push_back(std::nanf(""), 0, 0);
   CHECK_THROWS_WITH_AS(map_of_cloud(nothing, "nan.ply", {}),
