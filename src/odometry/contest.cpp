@@ -114,10 +114,10 @@ void Contest::note_explained(const PreparedScan& scan, const Pose& predicted, bo
     for (Place& place : places_) {
       place.patches.resize(patches_.size());
       // Of a part of the scan, which a probe looks at first, nothing is explained.
-      const float explained =
-          place.explained_points.size() == scan.source.size() ? place.explained_points[i] : 0;
-      place.patches[k].explained += static_cast<double>(explained);
-      place.patches[k].known += explained > 0 ? 1 : 0;
+      const bool whole = place.point_matches.size() == scan.source.size();
+      const PointMatch match = whole ? place.point_matches[i] : PointMatch::kNone;
+      place.patches[k].explained += match == PointMatch::kInlier ? 1 : 0;
+      place.patches[k].known += match != PointMatch::kNone ? 1 : 0;
     }
   }
 }
@@ -138,14 +138,14 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
            near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);
   };
   place.attempt = odometer.align(scan, prior, Reach::kNear);
-  place.explained_points = odometer.explained();
+  place.point_matches = odometer.point_matches();
   if (place.is_due() && !fits(place.attempt) && *far_looks > 0) {
     --*far_looks;
     place.looked_far = true;
     Attempt far = odometer.probe(scan, prior, Reach::kFar);
     if (far.cost() < place.attempt.cost()) {
       place.attempt = std::move(far);
-      place.explained_points = odometer.explained();
+      place.point_matches = odometer.point_matches();
     }
   }
   place.fits = fits(place.attempt);

@@ -58,9 +58,9 @@ class Contest {
     bool tried = false;       ///< it has fitted
     bool looked_far = false;  ///< or was looked for farther off
     Attempt attempt;
-    std::vector<float> explained_points;  ///< of the last scan, see Odometer::explained()
+    std::vector<PointMatch> point_matches;  ///< of the last scan
     struct Patch {
-      double explained = 0, known = 0;  ///< points of the scans; the latter met any surface
+      double explained = 0, known = 0;  ///< points of the scans: inliers; and all that met a surface
     };
     std::vector<Patch> patches;
     double explained() const;                              ///< points of all patches

@@ -8,6 +8,9 @@
 
 namespace scanlock {
 
+/// Source points within so many scales of the surface that they met are inliers.
+inline constexpr double kInlierScales = 3;
+
 /// How well an alignment explains its scan, compared with recent alignments.
 struct Health {
   double energy = 1;    ///< weighted mean of Welsch's function of the residuals at a fixed scale, 0 to 1
@@ -16,7 +19,7 @@ struct Health {
   bool young = true;    ///< there are fewer than five of them: the map is thin
   double rise = 0;      ///< of the energy over the baseline, in robust standard deviations of the recent ones
   double score = 0;     ///< z-score: the same, in units of `chance` (see assess) where that is larger
-  int inliers = 0;      ///< source points within three scales of their surface
+  int inliers = 0;      ///< source points, see kInlierScales
   double share = 0;     ///< of the source points, the inliers
   double usual_share = 0;  ///< median of the recent ones
 };

@@ -9,7 +9,6 @@
 
 #include "geometry/voxel_grid.hpp"
 #include "icp/degeneracy.hpp"
-#include "icp/welsch.hpp"
 
 namespace scanlock {
 namespace {
@@ -223,14 +222,15 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
   return attempt;
 }
 
-std::vector<float> Odometer::explained() const {
+std::vector<PointMatch> Odometer::point_matches() const {
   const std::vector<float>& weights = aligner_.weights();
-  std::vector<float> explained(weights.size(), 0);
+  const double most = kInlierScales * kKernel * sigma_;
+  std::vector<PointMatch> matches(weights.size(), PointMatch::kNone);
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    const auto residual = static_cast<double>(aligner_.residuals()[i]);
-    if (weights[i] > 0) explained[i] = static_cast<float>(1 - welsch(residual * residual, kKernel * sigma_));
+    const bool inlier = std::abs(static_cast<double>(aligner_.residuals()[i])) < most;
+    if (weights[i] > 0) matches[i] = inlier ? PointMatch::kInlier : PointMatch::kOutlier;
   }
-  return explained;
+  return matches;
 }
 
 double Odometer::patch(const PreparedScan& scan) {

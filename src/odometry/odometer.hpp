@@ -57,6 +57,10 @@ struct Attempt {
   double cost() const { return 1.0 - health.overlap * (1.0 - health.energy); }
 };
 
+/// A source point: it met no surface, lies off the one that it met, or is an inlier of it (see
+/// kInlierScales).
+enum class PointMatch : std::int8_t { kNone, kOutlier, kInlier };
+
 /// Odometry in a local map, with the usual energy of its alignments. It does not decide which alignment is
 /// accepted: its owner does. Its frame is the pose at which it was started.
 class Odometer {
@@ -94,8 +98,8 @@ class Odometer {
   /// Aligns where success is unlikely: with part of the points first, and where these are far from explained,
   /// that is the result. (An alignment that fails takes longest.)
   Attempt probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
-  /// For each source point of the last alignment its weight: 1 on a surface, 0 far from all.
-  std::vector<float> explained() const;
+  /// Of each source point of the last alignment.
+  std::vector<PointMatch> point_matches() const;
   /// Edge, metres, of the cubes of a scene in which points share the errors of their surfaces.
   static double patch(const PreparedScan& scan);
   /// Whether the next scan is the second one, see deskew_first(): an attempt with kDeskewPoints is enough for
