@@ -10,7 +10,7 @@
 #include <string>
 
 #include "command_line.hpp"
-#include "daemon/map_store.hpp"
+#include "daemon/config.hpp"
 #include "io/progress_bar.hpp"
 #include "io/scan_log.hpp"
 

@@ -41,10 +41,13 @@ class HealthMonitor {
   void forget() { count_ = 0; }
   bool has_history() const { return count_ > 0; }
 
+  /// Scans that are remembered: those since which the scale of residuals is about the same, for Odometer
+  /// smooths it over as many. A longer memory takes a slow change of the scene, as of a wood that a robot
+  /// drives into, for a jump.
+  static constexpr std::size_t kHistory = 10;
+
  private:
-  /// Scans: those since which the scale of residuals is about the same (Odometer smooths it over as many). A
-  /// longer memory takes a slow change of the scene, as of a wood that a robot drives into, for a jump.
-  static constexpr std::size_t kHistory = 10, kYoung = 5;
+  static constexpr std::size_t kYoung = 5;  // scans
   std::array<double, kHistory> history_{}, shares_{};
   std::size_t count_ = 0;  ///< remembered since the last forget
 };

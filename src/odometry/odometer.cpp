@@ -278,7 +278,7 @@ double Odometer::variance() const {
 void Odometer::accept(const Attempt& attempt) {
   share_ += 0.3 * (std::max(attempt.health.share, kLeastShare) - share_);
   const double seen = std::max(1.4826 * attempt.alignment.median_residual, kLeastSigma);
-  sigma_ += 0.1 * (std::min(seen, 2.0 * sigma_) - sigma_);
+  sigma_ += 1.0 / HealthMonitor::kHistory * (std::min(seen, 2.0 * sigma_) - sigma_);
   const MovingPose before = filter_.state();
   const Observed seen_part = observed(attempt, variance());
   const ScanAlignment real = corrected(attempt, seen_part);

@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <random>
 #include <vector>
 
@@ -54,6 +55,26 @@ TEST_CASE("the energy of another place is a jump, for few points as for many") {
     const HealthMonitor monitor = rested(points, &random);
     for (int trial = 0; trial < 100; ++trial) CHECK(assess(monitor, points, 0.8, &random).score > kJumpScore);
   }
+}
+
+TEST_CASE("an energy that rises over twenty scans is no jump, and one that rises as far at once is") {
+  const auto at_energy = [](const HealthMonitor& monitor, double energy) {
+    // Of all points a share lies far off: the energy is that share.
+    std::vector<float> residuals(1000, 0.0f);
+    std::fill_n(residuals.begin(), static_cast<std::ptrdiff_t>(1000 * energy), 10.0f);
+    return monitor.assess(residuals, std::vector<float>(1000, 1.0f), kScale, 0.0);
+  };
+  // A simulated drive of an HDL-64 from rest into a wood.
+  constexpr double kWood[] = {0.026, 0.028, 0.031, 0.033, 0.035, 0.039, 0.041, 0.047, 0.045, 0.048, 0.050,
+                              0.058, 0.062, 0.063, 0.067, 0.082, 0.085, 0.107, 0.104, 0.193, 0.194, 0.245};
+  HealthMonitor wood, room;
+  for (const double energy : kWood) {
+    const Health health = at_energy(wood, energy);
+    CHECK(health.score < kJumpScore);
+    wood.remember(health);
+    room.remember(at_energy(room, kWood[0]));
+  }
+  CHECK(at_energy(room, 0.25).score > kJumpScore);
 }
 
 TEST_CASE("a rise is measured by what went before alone") {
