@@ -14,7 +14,7 @@ namespace scanlock {
 namespace {
 
 constexpr double kUpright = 0.8;  // cosine of 37 degrees
-// Standard deviations of the neighbours about their line, metres:
+// Standard deviations of the neighbours about their line or plane, metres:
 constexpr double kThread = 0.03;  // so thin is only the line of a scan pattern, or a plane
 constexpr double kThin = 0.05;
 constexpr double kLeastNoise = 0.015;  // metres, of ranges: what a few points make look less is luck
@@ -72,6 +72,7 @@ Surface surface_of(const Spread<3>& spread, bool lines) {
   surface.normal = spread.axes.col(0).cast<float>();
   surface.centre = spread.centre;
   surface.weight = static_cast<float>(planarity * planarity);
+  surface.scale = static_cast<float>(std::min(1.0, kThin / deviation[0]));
   surface.tilt = (spread.tilt(1) * spread.axes.col(1)).cast<float>();
   surface.tilt_across = static_cast<float>(spread.tilt(2));
   const double linearity = 1.0 - deviation[1] / deviation[2];

@@ -18,7 +18,7 @@ struct Surface {
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< metres
   float weight = 0;   ///< 0: nothing there, to 1: flat and spread in both directions, or straight and thin
   bool line = false;  ///< `normal` is the direction of a line instead
-  float scale = 1;    ///< of residuals of a line: a thick one says less
+  float scale = 1;    ///< of residuals: a surface thicker than 0.05 m (standard deviation) says less
   /// Standard deviations of a plane's normal, radians: towards where it is known least, as a vector, and
   /// across that.
   Eigen::Vector3f tilt = Eigen::Vector3f::Zero();
@@ -73,6 +73,7 @@ class LocalSurfaces {
 /// Fits a surface to the given neighbours of `cloud`; weight 0 when there are fewer than five.
 /// The weight of a plane is the square of the planarity (sqrt(l2) - sqrt(l3)) / sqrt(l1) of the
 /// neighbourhood's covariance, l1 >= l2 >= l3; that of a line the square of (sqrt(l1) - sqrt(l2)) / sqrt(l1).
+/// Its scale is 0.05 m over its thickness, sqrt(l3) or of a line sqrt(l2 + l3), one at most.
 Surface fit_surface(const PointCloud& cloud, const Neighbour* neighbours, int count);
 
 /// The upright plane through neighbours that a level sensor saw in its one plane; weight 0 when there are

@@ -70,6 +70,9 @@ const std::vector<float>& ScanAligner::residuals() const {
 const std::vector<float>& ScanAligner::weights() const {
   return problem_->weights;
 }
+const std::vector<float>& ScanAligner::distances() const {
+  return problem_->distances;
+}
 
 std::vector<PointFit> ScanAligner::fits(const AlignmentTarget& target) const {
   const ScanProblem& work = *problem_;

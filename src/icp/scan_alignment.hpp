@@ -105,7 +105,7 @@ struct PointFit {
 /// velocity and acceleration, so that the motion within the scan is solved and not only predicted, and the
 /// prior joins them to the past. The energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2)
 /// prior_cost(e^T information e), with s_i the weight of the surface (0 where there is none), r_i the
-/// distance to it, of a line times its scale.
+/// distance from it times its scale.
 class ScanAligner {
  public:
   ScanAligner();
@@ -118,8 +118,11 @@ class ScanAligner {
   ScanAlignment align(const PointCloud& source, const AlignmentTarget& target, const MotionPrior& prior,
                       const ScanAlignmentOptions& options);
 
-  /// Residuals (metres) at the result, NaN where a source point found no surface; and the surface weights.
+  /// Of the source points at the result: residuals (metres), NaN where a point found no surface; the weights
+  /// of the surfaces; and distances, which are the residuals, but not scaled at planes: whatever lies near a
+  /// plane through clutter has a small residual.
   const std::vector<float>& residuals() const;
+  const std::vector<float>& distances() const;
   const std::vector<float>& weights() const;
   /// How its source points lie at the result, on the target that they were aligned to.
   std::vector<PointFit> fits(const AlignmentTarget& target) const;

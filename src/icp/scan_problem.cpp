@@ -29,7 +29,7 @@ void ScanProblem::begin(const PointCloud& cloud, const AlignmentTarget& to, cons
   const std::size_t n = cloud.size();
   motion.set_times(cloud.time);
   correspondences.reset(to.cloud, to.tree, n);
-  for (std::vector<float>* values : {&wx, &wy, &wz, &residuals, &weights}) values->resize(n);
+  for (std::vector<float>* values : {&wx, &wy, &wz, &distances, &residuals, &weights}) values->resize(n);
   kernel.resize(n);
   held.topLeftCorner<12, 12>() = prior->information;
   held.diagonal().tail<6>() = prior->acceleration_variance.cwiseInverse();
@@ -74,7 +74,7 @@ double ScanProblem::measure() {
   double explained = 0;
   matched = 0;
   for (std::size_t i = 0; i < source->size(); ++i) {
-    residuals[i] = std::numeric_limits<float>::quiet_NaN();
+    distances[i] = residuals[i] = std::numeric_limits<float>::quiet_NaN();
     weights[i] = 0;
     if (indices[i] < 0) continue;
     const std::size_t q = static_cast<std::size_t>(indices[i]);
@@ -83,8 +83,9 @@ double ScanProblem::measure() {
     if (surface.weight <= 0 || dx * dx + dy * dy + dz * dz > squared_gate) continue;
     const Eigen::Vector3f off = Eigen::Vector3f(wx[i], wy[i], wz[i]) - surface.centre;
     const float along = surface.normal.dot(off);
-    const float r = surface.line ? surface.scale * (off - along * surface.normal).norm() : along;
+    const float r = surface.scale * (surface.line ? (off - along * surface.normal).norm() : along);
     residuals[i] = r;
+    distances[i] = surface.line ? r : along;
     weights[i] = surface.weight;
     kernel[i] = welsch_weight(static_cast<double>(r) * r, nu);
     explained += surface.weight * kernel[i];

@@ -28,10 +28,11 @@ struct ScanProblem final : DescentProblem {
   double duration = 0.1;  // seconds: makes a velocity a displacement
   double arm = 10.0;      // metres: makes a rotation the motion of a typical point
   Vector6 x = Vector6::Zero(), twist = Vector6::Zero(), acceleration = Vector6::Zero();
-  Matrix18 held = Matrix18::Zero();       // information of the prior
-  std::vector<float> wx, wy, wz;          // source in the target frame
-  std::vector<float> residuals, weights;  // per source point; NaN and 0 without a surface
-  std::vector<double> kernel;             // Welsch's weight of the residual, where there is a surface
+  Matrix18 held = Matrix18::Zero();  // information of the prior
+  std::vector<float> wx, wy, wz;     // source in the target frame
+  // Per source point, NaN and 0 without a surface; see ScanAligner.
+  std::vector<float> distances, residuals, weights;
+  std::vector<double> kernel;  // Welsch's weight of the residual, where there is a surface
   int matched = 0;
 
   void begin(const PointCloud& cloud, const AlignmentTarget& to, const MotionPrior& from,
@@ -100,7 +101,7 @@ struct ScanProblem final : DescentProblem {
         add(surface.scale * a, distance, 1.0);
         add(surface.scale * surface.normal.cross(a), 0.0, 0.0);
       } else {
-        add(surface.normal, residuals[i], 1.0);
+        add(surface.scale * surface.normal, residuals[i], 1.0);
       }
     }
   }

@@ -64,7 +64,7 @@ Matrix6 ScanProblem::noise() const {
     if (weights[i] <= 0) continue;
     const Surface& surface = target->surfaces.at(correspondences.indices()[i]);
     if (surface.line) continue;
-    const double weight = weights[i] * kernel[i];
+    const double weight = weights[i] * kernel[i] * surface.scale * surface.scale;
     const Eigen::Vector3f w = to_prior * (Eigen::Vector3f(wx[i], wy[i], wz[i]) - origin);
     const Eigen::Vector3f across = surface.tilt_across * surface.normal.cross(surface.tilt).normalized();
     for (const Eigen::Vector3f& tilt : {surface.tilt, across}) {

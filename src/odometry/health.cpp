@@ -30,8 +30,8 @@ double planar_chance(std::size_t points) {
   return kPlanarChance / std::sqrt(static_cast<double>(points));
 }
 
-Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vector<float>& weights,
-                             double scale, double chance) const {
+Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vector<float>& distances,
+                             const std::vector<float>& weights, double scale, double chance) const {
   Health health;
   double weight_sum = 0, cost = 0;
   std::size_t matched = 0;
@@ -41,7 +41,7 @@ Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vec
     cost += weights[i] * welsch(squared, scale);
     weight_sum += weights[i];
     ++matched;
-    if (squared < kInlierScales * kInlierScales * scale * scale) ++health.inliers;
+    if (std::abs(static_cast<double>(distances[i])) < kInlierScales * scale) ++health.inliers;
   }
   if (weight_sum > 0) health.energy = cost / weight_sum;
   if (!residuals.empty())

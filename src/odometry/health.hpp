@@ -32,10 +32,11 @@ double planar_chance(std::size_t points);
 /// metres fails on fast roads, and overlap alone lies in both directions.)
 class HealthMonitor {
  public:
-  /// `scale`: metres, fixed while the sensor and the scene stay what they are. `chance`: standard deviation
-  /// of the energy of a whole scan by chance; the scan here may be a part of it.
-  Health assess(const std::vector<float>& residuals, const std::vector<float>& weights, double scale,
-                double chance) const;
+  /// Residuals, distances and weights of source points: see ScanAligner. `scale`: metres, fixed while the
+  /// sensor and the scene stay what they are. `chance`: standard deviation of the energy of a whole scan by
+  /// chance; the scan here may be a part of it.
+  Health assess(const std::vector<float>& residuals, const std::vector<float>& distances,
+                const std::vector<float>& weights, double scale, double chance) const;
   /// Adds the energy of an alignment that was trusted.
   void remember(const Health& health);
   void forget() { count_ = 0; }

@@ -217,8 +217,8 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
   attempt.alignment = aligner_.align(scan.source, map_.target(), local, options(scan, prior, reach));
   attempt.alignment.moving.pose.translation() += map_.origin();
   attempt.variance = variance();
-  attempt.health = health_.assess(aligner_.residuals(), aligner_.weights(), kKernel * sigma_,
-                                  map_.planar() ? planar_chance(scan.whole) : 0.0);
+  attempt.health = health_.assess(aligner_.residuals(), aligner_.distances(), aligner_.weights(),
+                                  kKernel * sigma_, map_.planar() ? planar_chance(scan.whole) : 0.0);
   return attempt;
 }
 
@@ -227,7 +227,7 @@ std::vector<PointMatch> Odometer::point_matches() const {
   const double most = kInlierScales * kKernel * sigma_;
   std::vector<PointMatch> matches(weights.size(), PointMatch::kNone);
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    const bool inlier = std::abs(static_cast<double>(aligner_.residuals()[i])) < most;
+    const bool inlier = std::abs(static_cast<double>(aligner_.distances()[i])) < most;
     if (weights[i] > 0) matches[i] = inlier ? PointMatch::kInlier : PointMatch::kOutlier;
   }
   return matches;

@@ -5,8 +5,10 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <vector>
 
 using namespace scanlock;
 
@@ -94,6 +96,21 @@ TEST_CASE("a plane goes through the centre of its neighbours") {
   CHECK(std::abs(surface.normal.z()) == doctest::Approx(1));
   CHECK(surface.centre.z() == doctest::Approx(-1.5f));
   CHECK(surface.weight > 0.5f);
+}
+
+TEST_CASE("a plane says as much less of where it is as it is thicker than 0.05 m") {
+  for (const float thickness : {0.02f, 0.05f, 0.1f, 0.2f}) {  // standard deviation
+    CAPTURE(thickness);
+    PointCloud hedge;
+    for (int i = 0; i < 196; ++i)
+      hedge.push_back(0.1f * static_cast<float>(i % 14), i % 2 == 0 ? thickness : -thickness,
+                      0.1f * static_cast<float>(i / 14));
+    std::vector<Neighbour> all;
+    for (std::int32_t i = 0; i < 196; ++i) all.push_back({i, 0});
+    const Surface surface = fit_surface(hedge, all.data(), 196);
+    CHECK(std::abs(surface.normal.y()) > 0.99f);
+    CHECK(surface.scale == doctest::Approx(std::min(1.0f, 0.05f / thickness)).epsilon(0.02));
+  }
 }
 
 TEST_CASE("a floor is one where the rings on it are farther apart than neighbours are looked for") {

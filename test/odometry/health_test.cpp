@@ -26,7 +26,7 @@ Health assess(const HealthMonitor& monitor, int points, double off, std::mt19937
     const float residual = noise(*random) + (moved(*random) ? 2.0f * static_cast<float>(kScale) : 0.0f);
     residuals.insert(residuals.end(), 10, residual);
   }
-  return monitor.assess(residuals, std::vector<float>(residuals.size(), 1.0f), kScale,
+  return monitor.assess(residuals, residuals, std::vector<float>(residuals.size(), 1.0f), kScale,
                         planar_chance(residuals.size()));
 }
 
@@ -62,7 +62,7 @@ TEST_CASE("an energy that rises over twenty scans is no jump, and one that rises
     // Of all points a share lies far off: the energy is that share.
     std::vector<float> residuals(1000, 0.0f);
     std::fill_n(residuals.begin(), static_cast<std::ptrdiff_t>(1000 * energy), 10.0f);
-    return monitor.assess(residuals, std::vector<float>(1000, 1.0f), kScale, 0.0);
+    return monitor.assess(residuals, residuals, std::vector<float>(1000, 1.0f), kScale, 0.0);
   };
   // A simulated drive of an HDL-64 from rest into a wood.
   constexpr double kWood[] = {0.026, 0.028, 0.031, 0.033, 0.035, 0.039, 0.041, 0.047, 0.045, 0.048, 0.050,

@@ -162,7 +162,7 @@ TEST_CASE(
     bool given = false;
     for (unsigned i = 1; i < 20 && outcome == Relocation::Outcome::kLost; ++i) {
       outcome = robot.relocation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
-      if (!given) given = robot.propose(i, {}, kBelieved - 0.5 * kFitsAsUsual);
+      if (!given) given = robot.propose(i, {}, kBelieved - 0.8 * kFitsAsUsual);
     }
     REQUIRE(given);
     CHECK(attempt.alignment.moving.pose.translation().norm() < 0.1);
