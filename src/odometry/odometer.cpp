@@ -98,7 +98,6 @@ void Odometer::start(std::int64_t utime, const PreparedScan& scan, const MovingP
   errors_.start(filter_.covariance());
   drift_.setZero();
   new_drift_.setZero();
-  measured_.setZero();
   untold_ = 1;
   first_.utime = utime;
   first_.points = scan.fine.has_times() ? scan.fine : PointCloud{};
@@ -289,10 +288,7 @@ void Odometer::accept(const Attempt& attempt) {
   follow_drift(before.pose);
   // The velocity before the first alignment is a guess.
   bend_ = health_.has_history() ? unsolved_bend(before, real, attempt.prior.ahead_s) : Vector6::Zero();
-  const Matrix12& covariance = filter_.covariance();
-  measured_ = (covariance * (real.information / variance()) * covariance).topLeftCorner<6, 6>();
-  measured_.diagonal() += bend_.cwiseAbs2();
-  add_drift(untold_ * measured_);
+  add_drift(untold_ * pose_covariance());
   untold_ = 0;
   health_.remember(attempt.health);
 }
@@ -353,7 +349,7 @@ void Odometer::insert(std::int64_t utime, const PreparedScan& scan, const Moving
   // Ground that is new lies where the scan was seen from, as well as that was known: from now on that share
   // of the pose's error is one of the map.
   const double share = map_.insert(std::move(keyframe), scan.voxel);
-  add_drift(share * (measured_ + errors_.covariance().topLeftCorner<6, 6>()));
+  add_drift(share * pose_covariance());
   errors_.leave_to_map(share);
   last_keyframe_pose_ = moving.pose;
 }

@@ -172,8 +172,6 @@ class Odometer {
   Keyframe first_;  ///< its points as they came, until their motion is known
   Matrix6 drift_ = Matrix6::Zero(), new_drift_ = Matrix6::Zero();
   Vector6 bend_ = Vector6::Zero();  ///< see unsolved_bend()
-  /// Of the last pose against the map, as far as a scan told it: what new ground is seen with.
-  Matrix6 measured_ = Matrix6::Zero();
   double untold_ = 0;  ///< share of the map that was seen before any pose was measured
 };
 
