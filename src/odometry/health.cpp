@@ -41,7 +41,7 @@ Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vec
     cost += weights[i] * welsch(squared, scale);
     weight_sum += weights[i];
     ++matched;
-    if (std::abs(static_cast<double>(distances[i])) < kInlierScales * scale) ++health.inliers;
+    if (is_inlier(distances[i], scale)) ++health.inliers;
   }
   if (weight_sum > 0) health.energy = cost / weight_sum;
   if (!residuals.empty())

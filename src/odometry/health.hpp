@@ -3,13 +3,16 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
 namespace scanlock {
 
-/// Source points within so many scales of the surface that they met are inliers.
-inline constexpr double kInlierScales = 3;
+/// Of a source point, by its distance (see ScanAligner) from the surface that it met; both in metres.
+inline bool is_inlier(float distance, double scale) {
+  return std::abs(static_cast<double>(distance)) < 3 * scale;
+}
 
 /// How well an alignment explains its scan, compared with recent alignments.
 struct Health {
@@ -19,7 +22,7 @@ struct Health {
   bool young = true;    ///< there are fewer than five of them: the map is thin
   double rise = 0;      ///< of the energy over the baseline, in robust standard deviations of the recent ones
   double score = 0;     ///< z-score: the same, in units of `chance` (see assess) where that is larger
-  int inliers = 0;      ///< source points, see kInlierScales
+  int inliers = 0;      ///< source points, see is_inlier()
   double share = 0;     ///< of the source points, the inliers
   double usual_share = 0;  ///< median of the recent ones
 };

@@ -223,11 +223,11 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
 
 std::vector<PointMatch> Odometer::point_matches() const {
   const std::vector<float>& weights = aligner_.weights();
-  const double most = kInlierScales * kKernel * sigma_;
   std::vector<PointMatch> matches(weights.size(), PointMatch::kNone);
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    const bool inlier = std::abs(static_cast<double>(aligner_.distances()[i])) < most;
-    if (weights[i] > 0) matches[i] = inlier ? PointMatch::kInlier : PointMatch::kOutlier;
+    if (weights[i] <= 0) continue;
+    const bool inlier = is_inlier(aligner_.distances()[i], kKernel * sigma_);
+    matches[i] = inlier ? PointMatch::kInlier : PointMatch::kOutlier;
   }
   return matches;
 }

@@ -57,8 +57,7 @@ struct Attempt {
   double cost() const { return 1.0 - health.overlap * (1.0 - health.energy); }
 };
 
-/// A source point: it met no surface, lies off the one that it met, or is an inlier of it (see
-/// kInlierScales).
+/// A source point: it met no surface, lies off the one that it met, or is_inlier() of it.
 enum class PointMatch : std::int8_t { kNone, kOutlier, kInlier };
 
 /// Odometry in a local map, with the usual energy of its alignments. It does not decide which alignment is

@@ -24,8 +24,8 @@ constexpr double kAsNear = 1.2;   // times the distance of the archive's nearest
 
 /// What the fit of a scan adds to the log odds of a place, by the logistic regression of 729 contests at
 /// right places and 84 at others, of the same map or a strange one (maps of other lidars, most of them of
-/// another simulator). 0 where no scan was aligned before. `given`: the map shows the whole place, as a rule;
-/// of its own a robot has seen only a part.
+/// another simulator; before planes had a scale). 0 where no scan was aligned before. `given`: the map shows
+/// the whole place, as a rule; of its own a robot has seen only a part.
 double log_odds_of_fit(const Health& health, bool given) {
   constexpr double kHigherEnergy = 44, kFewerInliers = 7.3;  // what all of them would take
   if (health.baseline <= 0) return 0;
