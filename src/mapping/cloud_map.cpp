@@ -3,6 +3,7 @@
 #include "mapping/cloud_map.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -28,10 +29,54 @@ constexpr double kRows = 40, kTurn = 180;  // rays, from 40 degrees below the ho
 constexpr double kSteepest = 40 * kDegree;
 constexpr double kLevel = 8 * kDegree;  // rays flatter than this tell the reach
 constexpr std::size_t kLeastSeen = 50;  // points that stand on the floor: a roof and a bare field have none
+constexpr double kClearly = 3;          // standard deviations of a count
 constexpr std::size_t kMuch = 20;       // cells: lamps and what hangs over the edge of a table take less
+// Times the area that is covered from above: from a side a tunnel covers 1.2, a corridor 1.3.
+constexpr float kTall = 1.5F;
 
-std::string square_metres(std::size_t cells) {
-  return std::to_string(std::lround(static_cast<float>(cells) * kFloorCell * kFloorCell)) + " m2";
+std::string square_metres(float area) {
+  return std::to_string(std::lround(area)) + " m2";
+}
+
+float area_of(std::size_t cells, float size) {
+  return static_cast<float>(cells) * size * size;
+}
+
+/// Areas, in square metres, of the cloud's shadows along x, y and z.
+Eigen::Array3f shadows(const SolidCloud& solid) {
+  constexpr float kBlock = 8 * kFinest;
+  std::array<std::vector<Cell>, 3> cells;
+  for (const SolidCloud::BlockId block : solid.blocks()) {
+    const Eigen::Vector3f p = solid.middle_of(block);
+    cells[0].push_back(cell_of({p.y(), p.z(), 0}, kBlock));
+    cells[1].push_back(cell_of({p.x(), p.z(), 0}, kBlock));
+    cells[2].push_back(cell_of(p, kBlock));
+  }
+  Eigen::Array3f areas;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::sort(cells[axis].begin(), cells[axis].end());
+    const auto end = std::unique(cells[axis].begin(), cells[axis].end());
+    areas[static_cast<Eigen::Index>(axis)] =
+        area_of(static_cast<std::size_t>(end - cells[axis].begin()), kBlock);
+  }
+  return areas;
+}
+
+/// Whether up may be another direction, each a sentence.
+std::vector<std::string> doubts_about(const SolidCloud& solid, const Floors& floors) {
+  std::vector<std::string> doubts;
+  const Eigen::Array3f areas = shadows(solid);
+  if (areas.head<2>().maxCoeff() > kTall * areas.z())
+    doubts.push_back("from a side it covers " + square_metres(areas.head<2>().maxCoeff()) + ", from above " +
+                     square_metres(areas.z()) + ": is up another axis (map.up, --up)?");
+  const auto below = static_cast<double>(floors.rough_below), above = static_cast<double>(floors.rough_above);
+  if (floors.open && below - above > kClearly * std::sqrt(below + above))
+    doubts.emplace_back("its upper side is smoother than its lower one: is it upside down (map.up, --up)?");
+  if (floors.hanging > floors.standing + kMuch)
+    doubts.push_back("more hangs from its ceilings (" + square_metres(area_of(floors.hanging, kFloorCell)) +
+                     ") than stands on its floors (" + square_metres(area_of(floors.standing, kFloorCell)) +
+                     "): is it upside down (map.up, --up)?");
+  return doubts;
 }
 
 /// Whether an eye there has the width of a robot around it.
@@ -145,6 +190,7 @@ SavedMap CloudMapBuilder::build(const std::string& name,
                         std::to_string(solid_.too_far()) + " that are farther than 100 km from its origin");
   solid_.close();
   const Floors floors = find_floors(solid_);
+  for (std::string& doubt : doubts_about(solid_, floors)) warnings_.push_back(std::move(doubt));
   const std::vector<FloorPlace> places = wide_floors(floors.places);
   const std::vector<Eigen::Vector3f> rays = ray_directions();
   const auto range = static_cast<float>(options_.max_range_m);
@@ -153,7 +199,6 @@ SavedMap CloudMapBuilder::build(const std::string& name,
   // Heights of eyes that saw nothing that stands: of the four cells of a roof or a bare field that
   // lie together one is tried.
   std::map<Cell, float> barren;
-  std::size_t seen = 0, bare = 0;  // places of a floor that something stands on, or nothing
   std::uint64_t done = 0;
   float swept =
       -std::numeric_limits<float>::infinity();  // no ray of the eyes to come, of greater x, is there
@@ -165,18 +210,12 @@ SavedMap CloudMapBuilder::build(const std::string& name,
     }
     const Eigen::Vector3f eye = place.middle() + kEye * Eigen::Vector3f::UnitZ();
     const auto nothing = barren.find(cell_of(eye, 2 * kFloorCell));
-    if (nothing != barren.end() && std::abs(nothing->second - eye.z()) < kFloorStep) {
-      ++bare;
-      continue;
-    }
+    if (nothing != barren.end() && std::abs(nothing->second - eye.z()) < kFloorStep) continue;
     if (!is_free(solid_, eye)) continue;
-    ++seen;
     if (eyes.cover(solid_, eye)) continue;
     const View view = seen_from(solid_, eye, rays, range, options_.threads);
     if (view.standing < kLeastSeen) {
       barren[cell_of(eye, 2 * kFloorCell)] = eye.z();
-      ++bare;
-      --seen;
       continue;
     }
     eyes.add(eye, view.reach);
@@ -192,14 +231,6 @@ SavedMap CloudMapBuilder::build(const std::string& name,
     throw std::runtime_error(
         name + ": no floor in it that a robot could stand on and see " + std::to_string(kLeastSeen) +
         " points of what stands there; is its unit another than metres, or up another axis (map.up, --up)?");
-  // Where ceilings have an upper side it is about as much as the floors below them.
-  if (bare > 2 * seen)
-    warnings_.push_back("nothing stands on " + std::to_string(100 * bare / (bare + seen)) +
-                        " % of its floor; is up another axis (map.up, --up)?");
-  if (floors.hanging > 2 * floors.standing + kMuch)
-    warnings_.push_back("more hangs from its ceilings (" + square_metres(floors.hanging) +
-                        ") than stands on its floors (" + square_metres(floors.standing) +
-                        "): is it upside down (map.up, --up)?");
   map.last_pose = map.keyframes.front().map_from_body;
   map.up = options_.up.normalized();
   for (const ArchivedKeyframe& k : map.keyframes)

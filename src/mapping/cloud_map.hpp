@@ -36,9 +36,9 @@ class CloudMapBuilder {
   /// floors. `progress`: area of floor done and in all, any unit.
   SavedMap build(const std::string& name,
                  const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
-  /// After build(), each a sentence: how many points were left out, and why; that nothing stands on most of
-  /// the floor (an open field, or a cloud that is upside down); or that more hangs from its ceilings than
-  /// stands on its floors.
+  /// After build(), each a sentence: how many points were left out, and why; that it covers more from a
+  /// side than from above; that its upper side is smoother than its lower one, under an open sky; or that
+  /// more hangs from its ceilings than stands on its floors.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:

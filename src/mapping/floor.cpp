@@ -40,6 +40,28 @@ std::size_t count_standing(std::vector<FloorPlace> surface) {
   return standing;
 }
 
+/// The lowest point and the highest one of a cell.
+struct Column {
+  Cell cell;
+  float low, high;
+};
+
+void compare_sides(std::vector<Column> columns, Floors* floors) {
+  std::sort(columns.begin(), columns.end(), [](const Column& a, const Column& b) { return a.cell < b.cell; });
+  std::size_t flat = 0;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const Column& here = columns[k];
+    flat += here.high - here.low < kHeadroom ? 1 : 0;
+    if (k + 1 == columns.size()) break;
+    const Column& next = columns[k + 1];
+    if (next.cell != Cell(here.cell.first, here.cell.second + 1)) continue;
+    const bool below = std::abs(next.low - here.low) > kFlat, above = std::abs(next.high - here.high) > kFlat;
+    floors->rough_below += below && !above ? 1 : 0;
+    floors->rough_above += above && !below ? 1 : 0;
+  }
+  floors->open = 2 * flat > columns.size();
+}
+
 }  // namespace
 
 Cell cell_of(const Eigen::Vector3f& p, float size) {
@@ -54,12 +76,16 @@ Floors find_floors(const SolidCloud& solid) {
   std::sort(blocks.begin(), blocks.end());
   Floors floors;
   std::vector<FloorPlace> column, roofed, ceiling;  // the latter with z down
+  std::vector<Column> columns;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     for (const Eigen::Vector3f& p : solid.points_of(blocks[i].second))
       column.push_back({cell_of(p, kFloorCell), p.z()});
     if (i + 1 < blocks.size() && blocks[i + 1].first == blocks[i].first) continue;
     std::sort(column.begin(), column.end());
     for (std::size_t k = 0; k < column.size(); ++k) {
+      if (k == 0 || column[k - 1].cell != column[k].cell)
+        columns.push_back({column[k].cell, column[k].z, column[k].z});
+      columns.back().high = column[k].z;
       const bool last = k + 1 == column.size() || column[k + 1].cell != column[k].cell;
       if (!last && column[k + 1].z - column[k].z < kHeadroom) continue;
       floors.places.push_back(column[k]);
@@ -74,6 +100,7 @@ Floors find_floors(const SolidCloud& solid) {
     ceiling.clear();
   }
   std::sort(floors.places.begin(), floors.places.end());
+  compare_sides(std::move(columns), &floors);
   return floors;
 }
 

@@ -35,6 +35,10 @@ struct Floors {
   /// Cells under a ceiling whose surface is 0.2 to 2 m above the flat floor around them, and those of
   /// ceilings as far below a flat ceiling: furniture stands on the floor, and hangs where up is down.
   std::size_t standing = 0, hanging = 0;
+  /// Neighbouring cells between which the lower side of the cloud has a step and its upper side has none, and
+  /// the other way round. Under an open sky the ground is the smoother side, whichever way up the cloud is.
+  std::size_t rough_below = 0, rough_above = 0;
+  bool open = false;  ///< most cells hold nothing that one could walk under
 };
 
 /// The z axis is up.

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "geometry/moved_cloud.hpp"
+#include "mapping/floor.hpp"
 #include "mapping/solid_cloud.hpp"
 
 namespace scanlock {
@@ -172,21 +173,22 @@ TEST_CASE("people who stood across a corridor while it was surveyed do not divid
   CHECK(std::count(shown.begin(), shown.end(), true) == 6);
 }
 
-TEST_CASE(
-    "a floor on which hardly anything stands is doubted, for it may be that of a cloud that is upside down") {
-  CloudMapOptions options;
-  options.max_range_m = 5;
-  CloudMapBuilder rooms(options), yard(options);
-  rooms.add(two_rooms(0.05F));
-  rooms.build("rooms");
-  CHECK(rooms.warnings().empty());
+TEST_CASE("the upper side of a yard is the rougher one, and the smoother one where it is upside down") {
   PointCloud cloud;
   add_rectangle({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.05F, &cloud);
-  add_rectangle({1, 1, 0}, {1, 0, 0}, {0, 0, 2}, 0.05F, &cloud);
-  yard.add(cloud);
-  CHECK_FALSE(yard.build("yard").keyframes.empty());
-  REQUIRE(yard.warnings().size() == 1);
-  CHECK(yard.warnings().front().find("is up another axis") != std::string::npos);
+  for (const float x : {2.0F, 6.0F, 11.0F})
+    for (const float y : {3.0F, 8.0F, 14.0F})
+      add_rectangle({x, y, 0.8F}, {1, 0, 0}, {0, 1, 0}, 0.05F, &cloud);
+  Eigen::Matrix3d over;  // about x
+  over << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+  const Floors upright = find_floors(solid_of(cloud, 0.1F));
+  const Floors upside_down = find_floors(solid_of(moved(cloud, Pose(over)), 0.1F));
+  CHECK(upright.open);
+  CHECK(upside_down.open);
+  CHECK(upright.rough_below == 0);
+  CHECK(upright.rough_above > 30);
+  CHECK(upside_down.rough_below > 30);
+  CHECK(upside_down.rough_above == 0);
 }
 
 TEST_CASE("rooms whose furniture hangs from the ceiling are doubted: they are upside down") {
@@ -203,6 +205,23 @@ TEST_CASE("rooms whose furniture hangs from the ceiling are doubted: they are up
   upside_down.build("rooms");
   REQUIRE_FALSE(upside_down.warnings().empty());
   CHECK(upside_down.warnings().back().find("is it upside down") != std::string::npos);
+}
+
+TEST_CASE("rooms whose y axis is up are doubted where z is taken for up, and not where y is") {
+  Eigen::Matrix3d turn;
+  turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  CloudMapOptions options;
+  CloudMapBuilder by_z(options);
+  options.up = turn * Eigen::Vector3d::UnitZ();
+  CloudMapBuilder by_y(options);
+  const PointCloud cloud = moved(two_rooms(0.05F), Pose(turn));
+  by_z.add(cloud);
+  by_z.build("rooms");
+  REQUIRE_FALSE(by_z.warnings().empty());
+  CHECK(by_z.warnings().back().find("from a side it covers") == 0);
+  by_y.add(cloud);
+  by_y.build("rooms");
+  CHECK(by_y.warnings().empty());
 }
 
 TEST_CASE("up may be any axis, and where nobody could stand the error says so") {
