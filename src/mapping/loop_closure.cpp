@@ -44,7 +44,7 @@ Attempt align(const ClosureRequest& request, const std::vector<ArchivedKeyframe>
               const Matrix6& covariance, const TrackerConfig& config) {
   Odometer odometer(config);
   odometer.set_planar(request.planar);
-  odometer.reload(map, {expected.translation()}, request.voxel);
+  odometer.reload(map, expected.translation(), request.voxel);
   odometer.set_usual(request.usual);
   return odometer.look_far(prepared(request), at_rest(expected, covariance));
 }
@@ -103,7 +103,7 @@ std::optional<Constraint> find_closure(const ClosureRequest& request, const Pose
 
 void learn_usual(const ClosureRequest& request, Odometer* odometer) {
   const Pose& here = request.keyframe.map_from_body;
-  odometer->reload(request.recent, {here.translation()}, request.voxel);
+  odometer->reload(request.recent, here.translation(), request.voxel);
   odometer->set_pose(here);
   const Attempt attempt = odometer->align(prepared(request), at_rest(here, Matrix6::Zero()), Reach::kNear);
   if (explains(attempt, std::numeric_limits<double>::infinity())) odometer->accept(attempt);

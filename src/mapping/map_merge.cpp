@@ -218,7 +218,7 @@ class Merger {
     seen.set_planar(planar_);
     std::vector<ArchivedKeyframe> near = request.closure.recent;
     near.push_back(keyframe);
-    seen.reload(near, {keyframe.map_from_body.translation()}, request.closure.voxel);
+    seen.reload(near, keyframe.map_from_body.translation(), request.closure.voxel);
     PlaceSearch search(kUnlimited, PlaceSearch::Parts::kNarrow);
     search.begin(std::nullopt);
     search.begin_anew();

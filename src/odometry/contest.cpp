@@ -25,8 +25,7 @@ constexpr int kMissesAllowed = 1;
 // What the excursion has drifted since the search may be farther off than an alignment reaches that looks
 // near. So many places are looked for farther off on one scan, for it takes time; all are in kWins scans.
 constexpr int kFarLooks = 2;
-constexpr int kMostScans = 8;   // scans in which it has to be decided
-constexpr double kClearly = 3;  // standard deviations: one in a thousand
+constexpr int kMostScans = 8;  // scans in which it has to be decided
 
 /// Whether two corrections put a body that is predicted there to about the same pose. (Their own translations
 /// say nothing: they grow with the distance from the map's origin.)
@@ -46,17 +45,29 @@ bool is_open(const Attempt& attempt) {
 
 }  // namespace
 
-Contest::Contest(const std::vector<Pose>& map_from_predicted) {
-  for (const Pose& pose : map_from_predicted) {
+double log_odds_of_fit(const Health& health, bool given) {
+  constexpr double kHigherEnergy = 44, kFewerInliers = 7.3;  // what all of them would take
+  if (health.baseline <= 0) return 0;
+  const double higher = std::max(0.0, health.energy - health.baseline);
+  const double fewer = given ? std::max(0.0, 1 - health.share / health.usual_share) : 0;
+  return std::max(kFitsAsUsual - kHigherEnergy * higher - kFewerInliers * fewer, -kFitsAsUsual);
+}
+
+Contest::Contest(const std::vector<Pose>& map_from_predicted, bool given,
+                 std::vector<std::unique_ptr<Odometer>> maps)
+    : given_(given) {
+  maps.resize(map_from_predicted.size());
+  for (std::size_t i = 0; i < maps.size(); ++i) {
     places_.emplace_back();
-    places_.back().map_from_predicted = pose;
+    places_.back().map_from_predicted = map_from_predicted[i];
+    places_.back().map = std::move(maps[i]);
     places_.back().least_share = kUsualShare;
   }
   places_.front().least_share = kKnownShare;
 }
 
 Contest Contest::expected_at(const Pose& map_from_predicted, int wins) {
-  Contest contest({map_from_predicted});
+  Contest contest({map_from_predicted}, false);
   Place& place = contest.places_.front();
   place.least_share = kUsualShare;
   place.tried = wins > 0;
@@ -80,9 +91,10 @@ double Contest::Place::explained() const {
                          [](double sum, const Patch& patch) { return sum + patch.explained; });
 }
 
-/// Whether patches in which the leader explains more outweigh those in which the place does, by so much that
-/// it is no accident: were both equally likely, the sum of the differences would have the mean 0 and the
-/// variance of the sum of their squares. That the map does not know what is seen at a place that still stands
+/// Whether the leader is believed against the place, by two figures. Of the patches in which one explains
+/// more than the other: were both equally likely, the sum of the differences would have the mean 0 and the
+/// variance of the sum of their squares, and the log odds are those of a normal deviate. And of how closely
+/// the last scan fits here and there. That the map does not know what is seen at a place that still stands
 /// does not speak against it.
 bool Contest::is_worse(const Place& place, const Place& leader) const {
   double sum = 0, variance = 0;
@@ -92,7 +104,12 @@ bool Contest::is_worse(const Place& place, const Place& leader) const {
     sum += more;
     variance += more * more;
   }
-  return sum > kClearly * std::sqrt(variance);
+  const double by_patches = variance > 0 ? sum * std::abs(sum) / (2 * variance) : 0;
+  const bool fit_tells = place.fits && !place.standing;
+  const double by_fit = fit_tells ? log_odds_of_fit(leader.attempt.health, given_) -
+                                        log_odds_of_fit(place.attempt.health, given_)
+                                  : 0;
+  return by_patches + by_fit > kBelieved;
 }
 
 /// Adds the scan, in the patches where the robot is predicted. `anew`: to nothing; a place that fits for the
@@ -165,7 +182,8 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
   bool anew = patches_.empty();
   for (Place& place : places_) {
     const bool tried = place.tried;
-    try_place(odometer, scan, excursion, &far_looks, place);
+    if (place.map) place.map->take_usual_from(odometer);
+    try_place(place.map ? *place.map : odometer, scan, excursion, &far_looks, place);
     anew = anew || (place.tried && !tried);
   }
   note_explained(scan, excursion.state().pose, anew);

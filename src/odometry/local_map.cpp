@@ -77,7 +77,7 @@ double LocalMap::insert(Keyframe keyframe, double voxel) {
   return share_of_points(novel, keyframes_.back());
 }
 
-double LocalMap::load(std::vector<Keyframe> keyframes, double voxel, std::size_t places) {
+double LocalMap::load(std::vector<Keyframe> keyframes, double voxel) {
   clear();
   if (keyframes.empty()) return 0;
   const Eigen::Vector3d here = keyframes.back().map_from_body.translation();
@@ -90,13 +90,7 @@ double LocalMap::load(std::vector<Keyframe> keyframes, double voxel, std::size_t
     keyframes_.push_back(std::move(keyframe));
     novel = add_novel_points(keyframes_.back());
   }
-  LocalMapLimits limits = limits_;
-  if (places > 1) {
-    limits.max_keyframes *= static_cast<int>(places);
-    limits.max_points *= static_cast<int>(places);
-    limits.max_distance = std::numeric_limits<double>::infinity();
-  }
-  forget(here, limits);
+  forget(here, limits_);
   index_all();
   return share_of_points(novel, keyframes_.back());
 }

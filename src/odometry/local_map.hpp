@@ -45,9 +45,8 @@ class LocalMap {
   /// ground (0 to 1).
   double insert(Keyframe keyframe, double voxel);
   /// Replaces all keyframes, as if these were inserted in this order, given ones first, but indexed once.
-  /// Returns what the last insert() would. `voxel` in metres. `places`: the number of places they are of; the
-  /// limits hold for each place, until the next insert.
-  double load(std::vector<Keyframe> keyframes, double voxel, std::size_t places = 1);
+  /// Returns what the last insert() would. `voxel` in metres.
+  double load(std::vector<Keyframe> keyframes, double voxel);
   /// Whether this keyframe of a given map is one of the map's, at this pose.
   bool has(std::uint32_t given, const Pose& map_from_body) const;
   /// The given keyframes of the map become these; those that it has() need no points. They do not count as

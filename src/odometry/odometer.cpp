@@ -112,31 +112,18 @@ void Odometer::set_planar(bool planar) {
 
 namespace {
 
-/// Of the first `count` archived keyframes the nearest ones around each of the `centres`, `most` of each: the
-/// nearest last.
+/// Of the first `count` archived keyframes at most `most`, the nearest ones around `centre`: the nearest
+/// last.
 std::vector<const ArchivedKeyframe*> nearest_keyframes(const std::vector<ArchivedKeyframe>& archived,
-                                                       std::size_t count,
-                                                       const std::vector<Eigen::Vector3d>& centres,
+                                                       std::size_t count, const Eigen::Vector3d& centre,
                                                        int most) {
-  // Of each, its distance to the nearest centre that wants it.
-  std::vector<double> wanted(count, std::numeric_limits<double>::infinity());
-  for (const Eigen::Vector3d& centre : centres) {
-    std::vector<std::pair<double, std::size_t>> around;
-    for (std::size_t i = 0; i < count; ++i)
-      around.emplace_back((archived[i].map_from_body.translation() - centre).norm(), i);
-    const std::size_t taken = std::min(count, static_cast<std::size_t>(most));
-    std::partial_sort(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(taken), around.end());
-    around.resize(taken);
-    for (const auto& [distance, i] : around) wanted[i] = std::min(wanted[i], distance);
-  }
   std::vector<std::pair<double, const ArchivedKeyframe*>> nearest;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (std::isfinite(wanted[i])) nearest.emplace_back(wanted[i], &archived[i]);
-  }
-  std::stable_sort(nearest.begin(), nearest.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (std::size_t i = 0; i < count; ++i)
+    nearest.emplace_back((archived[i].map_from_body.translation() - centre).norm(), &archived[i]);
+  const std::size_t taken = std::min(count, static_cast<std::size_t>(most));
+  std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(taken), nearest.end());
   std::vector<const ArchivedKeyframe*> keyframes;
-  for (auto k = nearest.rbegin(); k != nearest.rend(); ++k) keyframes.push_back(k->second);
+  for (std::size_t i = taken; i-- > 0;) keyframes.push_back(nearest[i].second);
   return keyframes;
 }
 
@@ -151,25 +138,25 @@ Keyframe keyframe_of(const ArchivedKeyframe& archived, bool given) {
 
 }  // namespace
 
-void Odometer::reload(const std::vector<ArchivedKeyframe>& archived,
-                      const std::vector<Eigen::Vector3d>& centres, double voxel, std::size_t given) {
+void Odometer::reload(const std::vector<ArchivedKeyframe>& archived, const Eigen::Vector3d& centre,
+                      double voxel, std::size_t given) {
   // The map forgets from the front, where the farthest are.
   std::vector<Keyframe> keyframes;
   for (const ArchivedKeyframe* k :
-       nearest_keyframes(archived, archived.size(), centres, config_.max_keyframes)) {
+       nearest_keyframes(archived, archived.size(), centre, config_.max_keyframes)) {
     keyframes.push_back(keyframe_of(*k, static_cast<std::size_t>(k - archived.data()) < given));
     keyframes.back().points = *k->points.cloud();
   }
   first_.points = {};
   if (!keyframes.empty()) last_keyframe_pose_ = keyframes.back().map_from_body;
-  map_.load(std::move(keyframes), voxel, centres.size());
+  map_.load(std::move(keyframes), voxel);
 }
 
 double Odometer::found_on(const std::vector<ArchivedKeyframe>& archived, std::size_t given, double voxel) {
   const Eigen::Vector3d here = state().pose.translation();
   std::vector<Keyframe> keyframes;
   double farthest = 0;
-  for (const ArchivedKeyframe* k : nearest_keyframes(archived, given, {here}, config_.max_keyframes)) {
+  for (const ArchivedKeyframe* k : nearest_keyframes(archived, given, here, config_.max_keyframes)) {
     const double distance = (k->map_from_body.translation() - here).norm();
     if (distance > config_.max_range_m) continue;
     farthest = std::max(farthest, distance);

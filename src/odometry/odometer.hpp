@@ -71,11 +71,10 @@ class Odometer {
   /// Whether its sensor sees one plane only and moves in it. start() takes it from the scan.
   void set_planar(bool planar);
   bool planar() const { return map_.planar(); }
-  /// The map becomes the archived keyframes around the `centres` (map frame): around each as many as around
-  /// that one alone. The first `given` of them are of a given map. The usual energy stays. Throws
-  /// PointsUnreadable, and changes nothing then.
-  void reload(const std::vector<ArchivedKeyframe>& archived, const std::vector<Eigen::Vector3d>& centres,
-              double voxel, std::size_t given = 0);
+  /// The map becomes the archived keyframes around `centre` (map frame). The first `given` of them are of a
+  /// given map. The usual energy stays. Throws PointsUnreadable, and changes nothing then.
+  void reload(const std::vector<ArchivedKeyframe>& archived, const Eigen::Vector3d& centre, double voxel,
+              std::size_t given = 0);
   /// The map is founded on those of the first `given` archived keyframes that are within range of the robot,
   /// see LocalMap::found_on(). Returns metres to the farthest of them. Throws PointsUnreadable, and changes
   /// nothing then.

@@ -22,18 +22,6 @@ constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival
 constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
 constexpr double kAsNear = 1.2;   // times the distance of the archive's nearest: it shows the place no better
 
-/// What the fit of a scan adds to the log odds of a place, by the logistic regression of 729 contests at
-/// right places and 84 at others, of the same map or a strange one (maps of other lidars, most of them of
-/// another simulator; before planes had a scale). 0 where no scan was aligned before. `given`: the map shows
-/// the whole place, as a rule; of its own a robot has seen only a part.
-double log_odds_of_fit(const Health& health, bool given) {
-  constexpr double kHigherEnergy = 44, kFewerInliers = 7.3;  // what all of them would take
-  if (health.baseline <= 0) return 0;
-  const double higher = std::max(0.0, health.energy - health.baseline);
-  const double fewer = given ? std::max(0.0, 1 - health.share / health.usual_share) : 0;
-  return std::max(kFitsAsUsual - kHigherEnergy * higher - kFewerInliers * fewer, -kFitsAsUsual);
-}
-
 /// Metres from a place (map frame) to the nearest of the keyframes.
 template <typename Keyframes>
 double distance_to(const Keyframes& keyframes, const Eigen::Vector3d& place) {
@@ -73,7 +61,7 @@ void Relocation::end() {
   lost_ = false;
   excursion_.reset();
   candidate_.reset();
-  map_of_several_ = false;
+  elsewhere_ = false;
   search_.begin_anew();
 }
 
@@ -171,6 +159,7 @@ Relocation::Outcome Relocation::confirm(const PreparedScan& scan, Odometer& odom
     ended_->map_from_predicted = candidate_->contest.map_from_predicted();
     ended_->energy_after = attempt->health.energy;
   }
+  elsewhere_ = candidate_->contest.is_elsewhere();
   candidate_.reset();
   return searched ? Outcome::kFound : Outcome::kFelt;
 }
@@ -218,7 +207,7 @@ bool Relocation::sees_more() const {
 }
 
 void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
-                      Odometer& odometer) {
+                      const Odometer& odometer) {
   const bool found = answer.verdict == PlaceVerdict::kFound;
   const bool gone = last_seen_ && answer.missing > kImpossible;
   if (gone) answer.log_odds = std::min(answer.log_odds, -before());
@@ -264,8 +253,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   }
   std::vector<Pose> places = rivals_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
-  cover(places, archive, voxel, odometer);
-  Contest contest(places);
+  Contest contest(places, !last_seen_, maps_of(places, archive, voxel, odometer));
   for (const Pose& standing : answer.standing) contest.note_standing(standing, *excursion_);
   candidate_ = Candidate{std::move(contest), std::move(answer), log_odds};
 }
@@ -299,10 +287,11 @@ double Relocation::log_odds_of(const Candidate& candidate) const {
          log_odds_of_fit(candidate.contest.attempt().health, !last_seen_);
 }
 
-/// Scans decide fairly between places only in a map that knows all of them. What is archived is thinner than
-/// the map at hand, and not loaded for a rival that it does not show better.
-void Relocation::cover(const std::vector<Pose>& places, const KeyframeArchive& archive, double voxel,
-                       Odometer& odometer) {
+/// Of each place, unless the odometer's map knows all of them, so that scans decide fairly between them. What
+/// is archived is thinner than the map at hand, and not loaded for a rival that it does not show better.
+std::vector<std::unique_ptr<Odometer>> Relocation::maps_of(const std::vector<Pose>& places,
+                                                           const KeyframeArchive& archive, double voxel,
+                                                           const Odometer& odometer) const {
   std::vector<Eigen::Vector3d> centres;
   bool covered = true;
   for (const Pose& place : places) {
@@ -312,9 +301,14 @@ void Relocation::cover(const std::vector<Pose>& places, const KeyframeArchive& a
     covered = covered && (away < kCovered * archive.scene(centre) ||
                           (rival && away < kAsNear * distance_to(archive.keyframes(), centre)));
   }
-  if (covered) return;
-  odometer.reload(archive.keyframes(), centres, voxel, archive.fixed());
-  map_of_several_ = centres.size() > 1;
+  std::vector<std::unique_ptr<Odometer>> maps;
+  if (covered) return maps;
+  for (const Eigen::Vector3d& centre : centres) {
+    maps.push_back(std::make_unique<Odometer>(config_));
+    maps.back()->set_planar(odometer.planar());
+    maps.back()->reload(archive.keyframes(), centre, voxel, archive.fixed());
+  }
+  return maps;
 }
 
 /// Earlier finds are rivals too, and what could not be decided before: a few matches more or less do not

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -57,13 +58,13 @@ class Relocation {
   std::optional<RecoveryRequest> take_request(std::int64_t utime, const KeyframeArchive& archive,
                                               const std::optional<Eigen::Vector3d>& up);
   /// `voxel` metres: of the map, where another part of it is loaded.
-  void give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel, Odometer& odometer);
+  void give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel, const Odometer& odometer);
   /// Somebody says that the odometer's state is right: to be tried on the scans that follow.
   void propose_here();
 
   bool lost() const { return lost_; }
-  /// Whether the odometer's map is that of several places, which is too large to go on in.
-  bool map_of_several() const { return map_of_several_; }
+  /// Whether the odometer's map does not show the place that was found.
+  bool is_elsewhere() const { return elsewhere_; }
   bool has_excursion() const { return excursion_.has_value(); }
   /// kRecovering, kAmbiguous or kLost.
   TrackingState state() const { return state_; }
@@ -100,8 +101,9 @@ class Relocation {
   Outcome confirm(const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
   void refuse(const std::string& why);
   void follow_excursion(double dt, Odometer& odometer) const;
-  void cover(const std::vector<Pose>& places, const KeyframeArchive& archive, double voxel,
-             Odometer& odometer);
+  std::vector<std::unique_ptr<Odometer>> maps_of(const std::vector<Pose>& places,
+                                                 const KeyframeArchive& archive, double voxel,
+                                                 const Odometer& odometer) const;
   Support support_of(const Pose& map_from_predicted) const;
   double log_odds_of(const Candidate& candidate) const;
   bool sees_more() const;
@@ -122,7 +124,7 @@ class Relocation {
   double gate_m_ = 0, gate_rad_ = 0;  ///< how far the prediction may be off where the excursion began
   double energy_before_ = 1;
   std::optional<Candidate> candidate_;
-  bool map_of_several_ = false;
+  bool elsewhere_ = false;
   std::vector<Find> finds_;      ///< of this excursion's searches, the newest first
   std::vector<Pose> undecided_;  ///< places that fitted its scans alike
   PlaceSearch search_;

@@ -270,7 +270,7 @@ struct Tracker::State {
     const Pose predicted = relocation.excursion().state().pose;
     join(relocation.excursion(), renormalised(attempt.alignment.moving.pose * predicted.inverse()),
          scan.median_range, &archive);
-    if (relocation.map_of_several()) reload(attempt.alignment.moving.pose.translation());
+    if (relocation.is_elsewhere()) reload(attempt.alignment.moving.pose.translation());
     jumped = true;
     given_ground.forget();
     trust(scan, attempt);
@@ -313,7 +313,7 @@ struct Tracker::State {
 
   /// The local map becomes what is archived around there.
   void reload(const Eigen::Vector3d& centre) {
-    read_map([&] { odometer->reload(archive.keyframes(), {centre}, scale.current(0), archive.fixed()); });
+    read_map([&] { odometer->reload(archive.keyframes(), centre, scale.current(0), archive.fixed()); });
   }
 
   // ---- reporting

@@ -27,9 +27,9 @@ Ending contest_of(const std::vector<ArchivedKeyframe>& map, const std::vector<Po
   const PreparedScan first = hall.scan(0);
   Odometer odometer(config);
   odometer.start(0, first, {});
-  odometer.reload(map, {{20, 0, 0}}, first.voxel);
+  odometer.reload(map, {20, 0, 0}, first.voxel);
   Excursion excursion(config, 0, first, {});
-  Contest contest(places);
+  Contest contest(places, false);
   if (standing) contest.note_standing(places.back(), excursion);
   Contest::Outcome outcome = Contest::Outcome::kOpen;
   for (unsigned i = 1; outcome == Contest::Outcome::kOpen; ++i) {
@@ -78,6 +78,17 @@ TEST_CASE("places that look alike are told apart by what only one of them explai
   CHECK(against(many).outcome == Contest::Outcome::kWon);
 }
 
+TEST_CASE("where two walls are 0.1 m off a place is not believed for a percent more of its points") {
+  Scan map;
+  map.points = hall_map();
+  PointCloud twin = map.points;
+  for (float& x : twin.x) x += x > 11.9f ? 0.1f : 0.0f;
+  for (float& y : twin.y) y += y > 7.9f ? 0.1f : 0.0f;
+  const Ending ending = contest_of({archived(Pose::Identity(), map.points), archived(kThere, twin)},
+                                   {kThere, Pose::Identity()}, false);
+  CHECK(ending.outcome == Contest::Outcome::kUndecided);
+}
+
 TEST_CASE(
     "a place that a search believes may explain scans less well than they do each other, as on another day") {
   const TrackerConfig config;
@@ -87,9 +98,9 @@ TEST_CASE(
   for (float& y : map.y) y += y > 7.9f ? 0.2f : 0.0f;
   const PreparedScan first = hall.scan(0);
   Odometer odometer(config);
-  odometer.reload({archived(Pose::Identity(), map)}, {Eigen::Vector3d::Zero()}, first.voxel);
+  odometer.reload({archived(Pose::Identity(), map)}, Eigen::Vector3d::Zero(), first.voxel);
   Excursion excursion(config, 0, first, {});
-  Contest contest({Pose::Identity()});
+  Contest contest({Pose::Identity()}, false);
   Contest::Outcome outcome = Contest::Outcome::kOpen;
   for (unsigned i = 1; i < 6; ++i) excursion.follow(100000 * i, 0.1, hall.scan(i));
   for (unsigned i = 6; outcome == Contest::Outcome::kOpen; ++i) {

@@ -54,15 +54,10 @@ TEST_CASE("of each of several places the map is as large as of that place alone,
     }
   }
   Odometer odometer(config);
-  odometer.reload(archive, centres, 0.5);
-  for (const Eigen::Vector3d& centre : centres) {
-    const auto& keyframes = odometer.map().keyframes();
-    CHECK(std::count_if(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) {
-            return (k.map_from_body.translation() - centre).norm() < 50;
-          }) == 10);
-  }
-  CHECK(odometer.map().size() == 3 * 10 * 36);
-  odometer.reload(archive, {centres[1]}, 0.5);
+  odometer.reload(archive, centres[0], 0.5);
+  odometer.reload(archive, centres[1], 0.5);
+  for (const Keyframe& k : odometer.map().keyframes())
+    CHECK((k.map_from_body.translation() - centres[1]).norm() < 50);
   CHECK(odometer.map().keyframes().size() == 10);
   CHECK(odometer.map().size() == 10 * 36);
 }
@@ -74,9 +69,9 @@ TEST_CASE("a local map stays as it is where points of the next one cannot be rea
   archive[0].points = points;
   archive[1].map_from_body.translation().x() = 3;
   Odometer odometer{TrackerConfig{}};
-  odometer.reload({archive[0]}, {Eigen::Vector3d::Zero()}, 0.5);
+  odometer.reload({archive[0]}, Eigen::Vector3d::Zero(), 0.5);
   archive[1].points = lost_points();
-  CHECK_THROWS_AS(odometer.reload(archive, {Eigen::Vector3d::Zero()}, 0.5), PointsUnreadable);
+  CHECK_THROWS_AS(odometer.reload(archive, Eigen::Vector3d::Zero(), 0.5), PointsUnreadable);
   REQUIRE(odometer.map().keyframes().size() == 1);
   CHECK(odometer.map().size() == 36);
 }

@@ -45,7 +45,7 @@ struct Displaced {
   /// In the map of the halls alone, which has the robot at home.
   void lose_in(const std::vector<Pose>& halls, float rough = 0, bool whole = true) {
     remember(halls, rough, whole);
-    odometer.reload(archive.keyframes(), {Eigen::Vector3d::Zero()}, first.voxel);
+    odometer.reload(archive.keyframes(), Eigen::Vector3d::Zero(), first.voxel);
     lose();
   }
 
