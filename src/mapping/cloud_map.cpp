@@ -44,20 +44,20 @@ float area_of(std::size_t cells, float size) {
 
 /// Areas, in square metres, of the cloud's shadows along x, y and z.
 Eigen::Array3f shadows(const SolidCloud& solid) {
-  constexpr float kBlock = 8 * kFinest;
+  const float edge = solid.block_edge();
   std::array<std::vector<Cell>, 3> cells;
   for (const SolidCloud::BlockId block : solid.blocks()) {
     const Eigen::Vector3f p = solid.middle_of(block);
-    cells[0].push_back(cell_of({p.y(), p.z(), 0}, kBlock));
-    cells[1].push_back(cell_of({p.x(), p.z(), 0}, kBlock));
-    cells[2].push_back(cell_of(p, kBlock));
+    cells[0].push_back(cell_of({p.y(), p.z(), 0}, edge));
+    cells[1].push_back(cell_of({p.x(), p.z(), 0}, edge));
+    cells[2].push_back(cell_of(p, edge));
   }
   Eigen::Array3f areas;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::sort(cells[axis].begin(), cells[axis].end());
     const auto end = std::unique(cells[axis].begin(), cells[axis].end());
     areas[static_cast<Eigen::Index>(axis)] =
-        area_of(static_cast<std::size_t>(end - cells[axis].begin()), kBlock);
+        area_of(static_cast<std::size_t>(end - cells[axis].begin()), edge);
   }
   return areas;
 }

@@ -225,6 +225,10 @@ std::vector<SolidCloud::BlockId> SolidCloud::blocks() const {
   return result;
 }
 
+float SolidCloud::block_edge() const {
+  return voxel_ * static_cast<float>(1 << kBlockBits / 3);
+}
+
 Eigen::Vector3f SolidCloud::middle_of(BlockId id) const {
   const Eigen::Vector3i corner = morton_cell(key_of(id << kBlockBits));
   return voxel_ * (corner.cast<float>().array() + static_cast<float>(1 << kBlockBits / 3) / 2);

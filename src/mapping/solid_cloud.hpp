@@ -44,6 +44,7 @@ class SolidCloud {
   std::uint64_t not_finite() const { return not_finite_; }  ///< points that were left out
   std::uint64_t too_far() const { return too_far_; }
   std::vector<BlockId> blocks() const;  ///< that hold a point
+  float block_edge() const;             ///< metres
   Eigen::Vector3f middle_of(BlockId block) const;
   std::vector<Eigen::Vector3f> points_of(BlockId block) const;
   Eigen::Vector3f point(Voxel voxel) const;

@@ -173,22 +173,30 @@ TEST_CASE("people who stood across a corridor while it was surveyed do not divid
   CHECK(std::count(shown.begin(), shown.end(), true) == 6);
 }
 
-TEST_CASE("the upper side of a yard is the rougher one, and the smoother one where it is upside down") {
+TEST_CASE("the upper side of a yard is the rougher one, and where it is upside down the yard is doubted") {
   PointCloud cloud;
   add_rectangle({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.05F, &cloud);
-  for (const float x : {2.0F, 6.0F, 11.0F})
-    for (const float y : {3.0F, 8.0F, 14.0F})
-      add_rectangle({x, y, 0.8F}, {1, 0, 0}, {0, 1, 0}, 0.05F, &cloud);
+  for (const float x : {2.0F, 8.0F, 14.0F})  // car ports
+    for (const float y : {3.0F, 12.0F}) add_rectangle({x, y, 2.2F}, {5, 0, 0}, {0, 5, 0}, 0.05F, &cloud);
   Eigen::Matrix3d over;  // about x
   over << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+  const PointCloud turned = moved(cloud, Pose(over));
   const Floors upright = find_floors(solid_of(cloud, 0.1F));
-  const Floors upside_down = find_floors(solid_of(moved(cloud, Pose(over)), 0.1F));
+  const Floors upside_down = find_floors(solid_of(turned, 0.1F));
   CHECK(upright.open);
   CHECK(upside_down.open);
   CHECK(upright.rough_below == 0);
   CHECK(upright.rough_above > 30);
   CHECK(upside_down.rough_below > 30);
   CHECK(upside_down.rough_above == 0);
+  CloudMapBuilder yard({}), turned_yard({});
+  yard.add(cloud);
+  CHECK_FALSE(yard.build("yard").keyframes.empty());
+  CHECK(yard.warnings().empty());
+  turned_yard.add(turned);
+  CHECK_FALSE(turned_yard.build("yard").keyframes.empty());
+  REQUIRE_FALSE(turned_yard.warnings().empty());
+  CHECK(turned_yard.warnings().front().find("its upper side is smoother") == 0);
 }
 
 TEST_CASE("rooms whose furniture hangs from the ceiling are doubted: they are upside down") {
@@ -211,6 +219,7 @@ TEST_CASE("rooms whose y axis is up are doubted where z is taken for up, and not
   Eigen::Matrix3d turn;
   turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   CloudMapOptions options;
+  options.max_range_m = 5;
   CloudMapBuilder by_z(options);
   options.up = turn * Eigen::Vector3d::UnitZ();
   CloudMapBuilder by_y(options);

@@ -36,7 +36,7 @@ TEST_CASE("a planar robot that is found turned has the velocity of that turn") {
   }
 }
 
-TEST_CASE("of each of several places the map is as large as of that place alone, until it grows") {
+TEST_CASE("a reloaded map holds the nearest keyframes of the new place, and none of the one before") {
   TrackerConfig config;
   config.max_keyframes = 10;
   config.max_map_points = 14 * 36;  // of which a fifth is for what is fresh
