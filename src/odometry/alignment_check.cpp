@@ -8,6 +8,7 @@ namespace {
 // Squared gaps (see squared_gap): kMostGap for a robot that is not trusted, and what makes an alignment
 // unusual. Lorries close by have 0.5, kidnaps that nothing else tells of mostly 6 and more.
 constexpr double kMostGapDistrusted = 10, kUnusualGap = 1;
+constexpr double kMotionTells = 1.2;  // seconds, after which the gaps of right places are as large as others
 
 double gap(const Attempt& attempt) {
   return squared_gap(attempt.prior, attempt.alignment.moving);
@@ -41,9 +42,20 @@ bool AlignmentCheck::is_trusted(const Attempt& attempt) const {
   return explains(attempt, kJumpScore) && is_plausible(attempt);
 }
 
+double AlignmentCheck::unseen_s(std::int64_t now) const {
+  return 1e-6 * static_cast<double>(now - last_.utime);
+}
+
+bool AlignmentCheck::is_to_be_confirmed(std::int64_t now, const MotionPrior& expected,
+                                        const Attempt& attempt) const {
+  const double unseen = unseen_s(now);
+  return unseen > kMoment && unseen < kMotionTells && !attempt.health.young &&
+         squared_gap(expected, attempt.alignment.moving) > kUnusualGap;
+}
+
 bool AlignmentCheck::is_contradicted(std::int64_t now, const PreparedScan& scan,
                                      const Attempt& attempt) const {
-  const bool after_gap = 1e-6 * static_cast<double>(now - last_.utime) > kMoment;
+  const bool after_gap = unseen_s(now) > kMoment;
   const double most = after_gap ? kMostContradictionAfterGap : kMostContradiction;
   const bool unusual = after_gap || looks_alike_ || gap(attempt) > kUnusualGap ||
                        attempt.health.score > kFitScore || !usual_share(attempt.health);

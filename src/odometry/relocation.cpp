@@ -213,8 +213,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   if (gone) answer.log_odds = std::min(answer.log_odds, -before());
   const bool likely = answer.log_odds + before() > 0;
   if (!search_.take(answer.serial, likely, answer.little, answer.cost_s) || !lost_ || !excursion_) return;
-  nothing_found_ = !found;
   const bool planar = excursion_->planar();
+  nothing_found_ = !found || (!planar && !likely);
   // What is likely, though not proven to be the largest consensus, is a rival of later finds.
   const bool counts = (found && !(planar && answer.little)) || (!planar && likely);
   if (counts)

@@ -118,7 +118,7 @@ class Relocation {
   TrackingState state_ = TrackingState::kRecovering;
   std::optional<Sighting> last_seen_;
   bool looks_alike_ = false;    ///< what is where it is expected
-  bool nothing_found_ = false;  ///< by the last search
+  bool nothing_found_ = false;  ///< that is likely, by the last search
   int scans_ = 0;               ///< since it was lost
   std::optional<Excursion> excursion_;
   double gate_m_ = 0, gate_rad_ = 0;  ///< how far the prediction may be off where the excursion began

@@ -169,15 +169,20 @@ struct Tracker::State {
     }
     const bool fits = check.is_trusted(attempt);
     const bool contradicted = fits && check.is_contradicted(time.now(), scan, attempt);
+    const bool unconfirmed =
+        fits && !contradicted && check.is_to_be_confirmed(time.now(), predict(hints), attempt);
     finished(Stage::kAlign);
-    if (fits && !contradicted) {
+    if (fits && !contradicted && !unconfirmed) {
       if (hints.motion) attempt.told = predict(hints).mean;
       trust(scan, attempt);
       describe(attempt, PoseMethod::kIcp, tracked);
       return;
     }
     describe(attempt, PoseMethod::kPredicted, tracked);
-    distrust(prior, contradicted);
+    // Still likelier than the prediction, and where the robot is looked for first.
+    if (unconfirmed) prior.mean = attempt.alignment.moving;
+    distrust(prior, contradicted || unconfirmed);
+    if (unconfirmed && !relocation.lost()) lose();
     if (state == TrackingState::kInitialising) {
       if (check.distrusted_scans() >= kFalseStarts) start(scan);
       return;

@@ -81,6 +81,23 @@ TEST_CASE("the last trusted scan contradicts another place: asked after a gap, a
   CHECK(check.is_contradicted(kScanPeriod, seen_there, attempt(0)));
 }
 
+TEST_CASE("after a short gap a motion that nobody expected has to be confirmed, once motion is known") {
+  AlignmentCheck check;
+  check.trust(0, scan_at(Pose::Identity(), 1), {Pose::Identity(), Vector6::Zero()}, true);
+  MotionPrior told = attempt(0).prior;  // by other sensors
+  told.mean.pose = Pose(Eigen::Translation3d(0.2, 0, 0));
+  for (const double ahead : {0.09, 0.11}) {  // squared gaps of 0.8 and 1.2
+    const Attempt there = attempt(ahead);
+    CHECK_FALSE(check.is_to_be_confirmed(3 * kScanPeriod, there.prior, there));
+    CHECK(check.is_to_be_confirmed(4 * kScanPeriod, there.prior, there) == (ahead > 0.1));
+    CHECK(check.is_to_be_confirmed(4 * kScanPeriod, told, there) == (ahead < 0.1));
+  }
+  Attempt first = attempt(0.3);
+  CHECK_FALSE(check.is_to_be_confirmed(13 * kScanPeriod, first.prior, first));
+  first.health.young = true;
+  CHECK_FALSE(check.is_to_be_confirmed(4 * kScanPeriod, first.prior, first));
+}
+
 TEST_CASE("nothing contradicts a scan that is no witness, nor a start") {
   const Pose here = Pose::Identity();
   const PreparedScan other = scan_at(Pose(Eigen::Translation3d(-6, 5, 0)), 2);

@@ -351,6 +351,35 @@ TEST_CASE("a turn that no robot makes is not believed, however well its scan fit
   }
 }
 
+TEST_CASE("a robot that turned unseen is believed there once a search or another sensor confirms it") {
+  const Frame frame = each_frame();
+  const Pose start = at(1, 0.5, 0);
+  const Vector6 velocity = twist(-2, 0.5, 85 * kDegree);
+  const Drive stands(start, Vector6::Zero()), turns(start * se3_exp(-0.9 * velocity), velocity);
+  for (const bool told : {false, true}) {
+    CAPTURE(told);
+    FramedTracker tracker(TrackerConfig{}, frame);
+    for (int i = 0; i < 10; ++i) tracker.track(stands.scan(i));
+    ScanPrior hints;  // of the first scan after 0.7 s without
+    if (told) hints.motion = start.inverse() * turns.pose(16);
+    TrackedScan last = tracker.track(turns.scan(16), hints);
+    CHECK((last.state == TrackingState::kTracking) == told);
+    for (int i = 17; i < 22; ++i) last = tracker.track(turns.scan(i));
+    CHECK((last.state == TrackingState::kTracking) == told);
+    if (!told) {
+      const std::optional<RecoveryRequest> request = tracker.take_request();
+      REQUIRE(request);
+      RecoveryAnswer nothing;
+      nothing.serial = request->serial;
+      tracker.give(nothing);
+    }
+    for (int i = 22; i < 28; ++i) last = tracker.track(turns.scan(i));
+    CHECK(last.state == TrackingState::kTracking);
+    CHECK(last.epoch == 0);
+    CHECK((start.inverse() * turns.pose(27)).isApprox(last.map_from_body, 0.02));
+  }
+}
+
 TEST_CASE("a place beside the way that looks alike is not believed when doors have changed at once") {
   const Frame frame = each_frame();
   const Pose start = at(1, 0.5, 0), aside = at(1.03, 0.58, 0.02);
