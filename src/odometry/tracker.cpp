@@ -169,8 +169,9 @@ struct Tracker::State {
     }
     const bool fits = check.is_trusted(attempt);
     const bool contradicted = fits && check.is_contradicted(time.now(), scan, attempt);
-    const bool unconfirmed =
-        fits && !contradicted && check.is_to_be_confirmed(time.now(), predict(hints), attempt);
+    // (A search confirms nothing for a planar sensor.)
+    const bool unconfirmed = fits && !contradicted && !scan.planar &&
+                             check.is_to_be_confirmed(time.now(), predict(hints), attempt);
     finished(Stage::kAlign);
     if (fits && !contradicted && !unconfirmed) {
       if (hints.motion) attempt.told = predict(hints).mean;
