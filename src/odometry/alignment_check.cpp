@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "odometry/alignment_check.hpp"
 
+#include <algorithm>
+
 namespace scanlock {
 namespace {
 
@@ -46,10 +48,10 @@ double AlignmentCheck::unseen_s(std::int64_t now) const {
   return 1e-6 * static_cast<double>(now - last_.utime);
 }
 
-bool AlignmentCheck::is_to_be_confirmed(std::int64_t now, const MotionPrior& expected,
+bool AlignmentCheck::is_to_be_confirmed(std::int64_t now, double period_s, const MotionPrior& expected,
                                         const Attempt& attempt) const {
   const double unseen = unseen_s(now);
-  return unseen > kMoment && unseen < kMotionTells && !attempt.health.young &&
+  return unseen > std::max(kMoment, 1.5 * period_s) && unseen < kMotionTells && !attempt.health.young &&
          squared_gap(expected, attempt.alignment.moving) > kUnusualGap;
 }
 

@@ -34,11 +34,13 @@ class AlignmentCheck {
   /// Whether the alignment explains its scan, and is plausible.
   bool is_trusted(const Attempt& attempt) const;
   /// Whether more than its scan has to tell that the robot is there: at an unusual distance from where it is
-  /// `expected` (see squared_gap), after more than kMoment without a trusted scan. Rooms look alike once
-  /// turned. Of 437 scans of other places on three office floors that the local map explained after 0.6 or
-  /// 1.1 s, is_contradicted() holds for 343 and this for 89 of the others; of 330 in the right place, in five
-  /// worlds, for 2 and 6. After 2 s this holds for a fifth of the right ones, and is not asked.
-  bool is_to_be_confirmed(std::int64_t now, const MotionPrior& expected, const Attempt& attempt) const;
+  /// `expected` (see squared_gap), after more than kMoment without a trusted scan, in which scans of a sensor
+  /// with this period (seconds) are missing. Rooms look alike once turned. Of 437 scans of other places on
+  /// three office floors that the local map explained after 0.6 or 1.1 s, is_contradicted() holds for 343 and
+  /// this for 89 of the others; of 330 in the right place, in five worlds, for 2 and 6. After 2 s this holds
+  /// for a fifth of the right ones, and is not asked.
+  bool is_to_be_confirmed(std::int64_t now, double period_s, const MotionPrior& expected,
+                          const Attempt& attempt) const;
   /// Whether the last trusted scan contradicts an alignment that explains its scan: the place looks like the
   /// expected one and is another. Asked only after a gap, or where the alignment is unusual: what passes
   /// close by hides as much as another place does, but neither moves the pose nor costs much. Never of the

@@ -31,6 +31,8 @@ class Timeline {
   /// an upper bound, which is larger where the clock stepped or is irregular.
   double elapsed_s() const { return elapsed_s_; }
   double most_elapsed_s() const { return most_elapsed_s_; }
+  /// Seconds between two scans of this sensor, as a rule (see ScanClock).
+  double period_s() const { return clock_.period_s(); }
 
   /// Before any scan: all times are an hour later than `time`, of an earlier run, or more, whatever the clock
   /// of either run said.

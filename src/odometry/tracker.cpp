@@ -171,7 +171,7 @@ struct Tracker::State {
     const bool contradicted = fits && check.is_contradicted(time.now(), scan, attempt);
     // (A search confirms nothing for a planar sensor.)
     const bool unconfirmed = fits && !contradicted && !scan.planar &&
-                             check.is_to_be_confirmed(time.now(), predict(hints), attempt);
+                             check.is_to_be_confirmed(time.now(), time.period_s(), predict(hints), attempt);
     finished(Stage::kAlign);
     if (fits && !contradicted && !unconfirmed) {
       if (hints.motion) attempt.told = predict(hints).mean;

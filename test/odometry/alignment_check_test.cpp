@@ -88,14 +88,16 @@ TEST_CASE("after a short gap a motion that nobody expected has to be confirmed, 
   told.mean.pose = Pose(Eigen::Translation3d(0.2, 0, 0));
   for (const double ahead : {0.09, 0.11}) {  // squared gaps of 0.8 and 1.2
     const Attempt there = attempt(ahead);
-    CHECK_FALSE(check.is_to_be_confirmed(3 * kScanPeriod, there.prior, there));
-    CHECK(check.is_to_be_confirmed(4 * kScanPeriod, there.prior, there) == (ahead > 0.1));
-    CHECK(check.is_to_be_confirmed(4 * kScanPeriod, told, there) == (ahead < 0.1));
+    CHECK_FALSE(check.is_to_be_confirmed(3 * kScanPeriod, 0.1, there.prior, there));
+    CHECK(check.is_to_be_confirmed(4 * kScanPeriod, 0.1, there.prior, there) == (ahead > 0.1));
+    CHECK(check.is_to_be_confirmed(4 * kScanPeriod, 0.1, told, there) == (ahead < 0.1));
   }
   Attempt first = attempt(0.3);
-  CHECK_FALSE(check.is_to_be_confirmed(13 * kScanPeriod, first.prior, first));
+  CHECK(check.is_to_be_confirmed(4 * kScanPeriod, 0.1, first.prior, first));
+  CHECK_FALSE(check.is_to_be_confirmed(4 * kScanPeriod, 0.4, first.prior, first));  // none is missing
+  CHECK_FALSE(check.is_to_be_confirmed(13 * kScanPeriod, 0.1, first.prior, first));
   first.health.young = true;
-  CHECK_FALSE(check.is_to_be_confirmed(4 * kScanPeriod, first.prior, first));
+  CHECK_FALSE(check.is_to_be_confirmed(4 * kScanPeriod, 0.1, first.prior, first));
 }
 
 TEST_CASE("nothing contradicts a scan that is no witness, nor a start") {
