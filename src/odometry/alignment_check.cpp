@@ -36,16 +36,16 @@ void AlignmentCheck::distrust(bool contradicted) {
   looks_alike_ = looks_alike_ || contradicted;
 }
 
+double AlignmentCheck::unseen_s(std::int64_t now) const {
+  return 1e-6 * static_cast<double>(now - last_.utime);
+}
+
 bool AlignmentCheck::is_plausible(const Attempt& attempt) const {
   return gap(attempt) <= (distrusted_scans_ > 0 ? kMostGapDistrusted : kMostGap);
 }
 
 bool AlignmentCheck::is_trusted(const Attempt& attempt) const {
   return explains(attempt, kJumpScore) && is_plausible(attempt);
-}
-
-double AlignmentCheck::unseen_s(std::int64_t now) const {
-  return 1e-6 * static_cast<double>(now - last_.utime);
 }
 
 bool AlignmentCheck::is_to_be_confirmed(std::int64_t now, double period_s, const MotionPrior& expected,

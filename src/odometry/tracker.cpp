@@ -146,7 +146,7 @@ struct Tracker::State {
   }
 
   /// Seconds since the last trusted scan.
-  double unseen_s() const { return time.since_s(check.last().utime); }
+  double unseen_s() const { return check.unseen_s(time.now()); }
 
   /// A scan of a robot that is not lost: predict, align, decide, fuse.
   void track_on(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
@@ -162,8 +162,9 @@ struct Tracker::State {
     }
     Attempt attempt = odometer->deskew_first(scan, time.elapsed_s(), align_or_retry(scan, prior), true);
     // The other sensors decide only where the scans do not suffice.
+    const MotionPrior expected = hints.motion ? predict(hints) : prior;
     if (hints.motion && !check.is_trusted(attempt)) {
-      prior = predict(hints);
+      prior = expected;
       Attempt hinted = odometer->align(scan, prior, Reach::kNear);
       if (check.is_trusted(hinted)) attempt = std::move(hinted);
     }
@@ -171,10 +172,10 @@ struct Tracker::State {
     const bool contradicted = fits && check.is_contradicted(time.now(), scan, attempt);
     // (A search confirms nothing for a planar sensor.)
     const bool unconfirmed = fits && !contradicted && !scan.planar &&
-                             check.is_to_be_confirmed(time.now(), time.period_s(), predict(hints), attempt);
+                             check.is_to_be_confirmed(time.now(), time.period_s(), expected, attempt);
     finished(Stage::kAlign);
     if (fits && !contradicted && !unconfirmed) {
-      if (hints.motion) attempt.told = predict(hints).mean;
+      if (hints.motion) attempt.told = expected.mean;
       trust(scan, attempt);
       describe(attempt, PoseMethod::kIcp, tracked);
       return;
