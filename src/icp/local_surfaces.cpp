@@ -43,6 +43,7 @@ struct Spread {
     mean /= count;
     moment = moment / count - mean.head<kAxes>() * mean.head<kAxes>().transpose();
     const SymmetricEigen<kAxes> eigen = symmetric_eigen(moment);
+    own = origin;
     centre = mean.cast<float>() + origin;
     deviation = eigen.values.cwiseMax(0.0).cwiseSqrt();
     axes = eigen.vectors;
@@ -57,7 +58,7 @@ struct Spread {
     const double apart = deviation[other] * deviation[other] - deviation[0] * deviation[0];
     return std::min(noise_of_mean * deviation[other] / std::max(apart, 1e-12), 1.0);
   }
-  Eigen::Vector3f centre;
+  Eigen::Vector3f own, centre;                ///< the first neighbour, the centroid of all; metres
   Eigen::Matrix<double, kAxes, 1> deviation;  ///< metres, ascending
   Eigen::Matrix<double, kAxes, kAxes> axes;   ///< in columns, likewise
   double noise_of_mean;                       ///< metres, along the first
@@ -73,6 +74,8 @@ Surface surface_of(const Spread<3>& spread, bool lines) {
   surface.centre = spread.centre;
   surface.weight = static_cast<float>(planarity * planarity);
   surface.scale = static_cast<float>(std::min(1.0, kThin / deviation[0]));
+  // Of ground and the foot of a wall the centroid lies on neither.
+  if (surface.scale < 1) surface.centre = spread.own;
   surface.tilt = (spread.tilt(1) * spread.axes.col(1)).cast<float>();
   surface.tilt_across = static_cast<float>(spread.tilt(2));
   const double linearity = 1.0 - deviation[1] / deviation[2];
@@ -81,6 +84,7 @@ Surface surface_of(const Spread<3>& spread, bool lines) {
   if (lines && linearity > planarity && std::abs(direction.z()) > kUpright && thickness > kThread) {
     surface.line = true;
     surface.normal = direction.cast<float>();
+    surface.centre = spread.centre;
     surface.weight = static_cast<float>(linearity * linearity);
     surface.scale = static_cast<float>(std::min(1.0, kThin / thickness));
   }

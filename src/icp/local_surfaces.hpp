@@ -12,7 +12,9 @@
 namespace scanlock {
 
 /// The plane or the line that the neighbourhood of a point lies on. It goes through the centroid of the
-/// neighbours, which is less noisy than the point itself.
+/// neighbours, which is less noisy than the point itself; a plane whose neighbours are spread by more than
+/// 0.05 m about it (ground and the foot of a wall are) through the point, for the centroid is off what the
+/// point lies on.
 struct Surface {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, of the plane; its sign means nothing
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< metres
@@ -70,7 +72,8 @@ class LocalSurfaces {
   std::vector<std::int32_t> missing_;
 };
 
-/// Fits a surface to the given neighbours of `cloud`; weight 0 when there are fewer than five.
+/// Fits a surface to the given neighbours of `cloud`, the point itself first; weight 0 when there are fewer
+/// than five.
 /// The weight of a plane is the square of the planarity (sqrt(l2) - sqrt(l3)) / sqrt(l1) of the
 /// neighbourhood's covariance, l1 >= l2 >= l3; that of a line the square of (sqrt(l1) - sqrt(l2)) / sqrt(l1).
 /// Its scale is 0.05 m over its thickness, sqrt(l3) or of a line sqrt(l2 + l3), one at most.

@@ -98,6 +98,26 @@ TEST_CASE("a plane goes through the centre of its neighbours") {
   CHECK(surface.weight > 0.5f);
 }
 
+TEST_CASE("at the foot of a wall the plane of a point of the ground goes through the ground") {
+  PointCloud corner;
+  for (int i = 0; i < 21; ++i) {
+    for (int k = 0; k < 8; ++k) {
+      const float along = 0.3f * static_cast<float>(i), away = 0.3f * static_cast<float>(k);
+      corner.push_back(along, away, 0);
+      corner.push_back(along, 0, away);
+    }
+  }
+  int thick = 0;
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(corner.size()); ++i) {
+    const Eigen::Vector3f own = corner.point(static_cast<std::size_t>(i));
+    const Surface surface = surface_at(corner, i, 2);
+    if (surface.line || surface.weight <= 0 || surface.scale >= 1) continue;
+    ++thick;
+    CHECK(std::abs(surface.normal.dot(own - surface.centre)) < 1e-6f);
+  }
+  CHECK(thick > 20);
+}
+
 TEST_CASE("a plane says as much less of where it is as it is thicker than 0.05 m") {
   for (const float thickness : {0.02f, 0.05f, 0.1f, 0.2f}) {  // standard deviation
     CAPTURE(thickness);

@@ -205,12 +205,12 @@ TEST_CASE("a robot that was blind goes on at once, though half of what it sees t
   }
 }
 
-TEST_CASE("a kidnapped robot that sees much new ground is taken back unless the odds of its place are even" *
+TEST_CASE("a kidnapped robot that sees much new ground is taken back unless the odds are against its place" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const KidnappedDrive drive{25, at(0, -2, 100 * kDegree)};
-  for (const bool even : {false, true}) {
-    CAPTURE(even);
+  for (const bool against : {false, true}) {
+    CAPTURE(against);
     FramedTracker tracker(TrackerConfig{}, frame);
     PlaceFinder finder;
     int back = -1;
@@ -221,10 +221,10 @@ TEST_CASE("a kidnapped robot that sees much new ground is taken back unless the 
       const auto request = tracker.take_request();
       if (!request) continue;
       RecoveryAnswer answer = finder.find(*request);
-      if (even) answer.log_odds = 0;
+      if (against) answer.log_odds = -1;
       tracker.give(std::move(answer));
     }
-    CHECK((back > drive.kidnap) == !even);
+    CHECK((back > drive.kidnap) == !against);
   }
 }
 

@@ -461,7 +461,8 @@ TEST_CASE("the motion of the first scans is not taken from one that is covered")
       const Scan scan = drive.scan(i);
       const TrackedScan tracked = tracker.track(is_covered ? covered(scan, through_fingers) : scan);
       if (is_covered) CHECK(tracked.state == TrackingState::kInitialising);
-      if (i > to + 1) CHECK((tracked.twist - twist(2, 0, 0)).norm() < 0.12);
+      // Over 0.3 s two scans of a hall fit each other at several speeds.
+      if (i > (from == 0 ? to + 1 : to + 5)) CHECK((tracked.twist - twist(2, 0, 0)).norm() < 0.12);
       if (i > to + 3) CHECK(tracked.state == TrackingState::kTracking);
     }
   }
