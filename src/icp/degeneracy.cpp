@@ -21,7 +21,7 @@ constexpr double kShareOfAxis = 0.5;
 
 // Normals of neighbouring surfaces share their errors, so that what noise makes of H scatters: of smooth
 // tunnels it was half to three times what is expected.
-constexpr double kMostNoise = 3.0;
+constexpr double kMostNoise = 2.0;
 
 Eigen::Matrix3d damped_inverse(const Eigen::Matrix3d& block) {
   return (block + Eigen::Matrix3d::Identity() * (1e-9 * block.trace() + 1e-300)).inverse();

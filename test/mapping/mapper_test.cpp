@@ -264,7 +264,7 @@ bool doubted(MapWorker& worker, MapRequest request, const MapAnswer& answer) {
 TEST_CASE("a robot that is not in the map it was given is at home in one of its own until it is found" *
           doctest::test_suite("long drives")) {
   TrackerConfig config = forgetful();
-  config.new_map_after_s = 0.7;
+  config.new_map_after_s = 1;
   Mapper first(config);
   for (int i = 0; i < 90; ++i) first.track(seen(i));  // round the hall
   const SavedMap saved = first.save();
