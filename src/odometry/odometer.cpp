@@ -94,7 +94,9 @@ void Odometer::start(std::int64_t utime, const PreparedScan& scan, const MovingP
   sigma_ = kFirstSigma;
   set_planar(scan.planar);
   filter_.start(guess);
-  errors_.start(filter_.covariance());
+  Matrix12 of_velocity = Matrix12::Zero();  // the frame is that of the pose
+  of_velocity.bottomRightCorner<6, 6>() = filter_.covariance().bottomRightCorner<6, 6>();
+  errors_.start(of_velocity);
   drift_.setZero();
   new_drift_.setZero();
   untold_ = 1;
@@ -274,7 +276,9 @@ void Odometer::accept(const Attempt& attempt) {
   follow_drift(before.pose);
   // The velocity before the first alignment is a guess.
   bend_ = health_.has_history() ? unsolved_bend(before, real, attempt.prior.ahead_s) : Vector6::Zero();
-  add_drift(untold_ * pose_covariance());
+  // The frame is that of the first stamp, its points are where the velocity of now puts them.
+  const double ahead = real.moving.middle_s;
+  add_drift(untold_ * ahead * ahead * errors_.covariance().bottomRightCorner<6, 6>());
   untold_ = 0;
   health_.remember(attempt.health);
 }

@@ -354,6 +354,9 @@ struct Tracker::State {
     tracked->local_from_body = local_from_own * odometer->state().pose;
     tracked->twist = odometer->state().twist;
     tracked->covariance = odometer->pose_covariance() + odometer->drift();
+    // The first pose is that of the frame, and filters want a matrix that has an inverse.
+    if (tracked->state == TrackingState::kInitialising)
+      tracked->covariance += kPoseFloor * kPoseFloor * Matrix6::Identity();
     tracked->keyframes = static_cast<int>(odometer->map().keyframes().size());
     tracked->map_points = static_cast<int>(odometer->map().size());
     tracked->map_fault = std::exchange(map_fault, {});
