@@ -50,12 +50,10 @@ struct Spread {
     // Of n neighbours a fit leaves n - kAxes to show the noise.
     const double noise =
         std::max(deviation[0] * std::sqrt(count / static_cast<double>(count - kAxes)), kLeastNoise);
-    // Where several surfaces meet neighbours are off the plane together.
-    noise_of_mean = noise / std::sqrt(static_cast<double>(deviation[0] > kThin ? kFewest : count));
+    noise_of_mean = noise / std::sqrt(static_cast<double>(count));
   }
   /// Standard deviation (radians) of the first axis towards another one, where the neighbours are off their
-  /// plane by independent noise: the perturbation of an eigenvector, sqrt(l1 lk / n) / (lk - l1); with n
-  /// of the fewest where they are spread by more than noise.
+  /// plane by independent noise: the perturbation of an eigenvector, sqrt(l1 lk / n) / (lk - l1).
   double tilt(int other) const {
     const double apart = deviation[other] * deviation[other] - deviation[0] * deviation[0];
     return std::min(noise_of_mean * deviation[other] / std::max(apart, 1e-12), 1.0);

@@ -264,7 +264,7 @@ bool doubted(MapWorker& worker, MapRequest request, const MapAnswer& answer) {
 TEST_CASE("a robot that is not in the map it was given is at home in one of its own until it is found" *
           doctest::test_suite("long drives")) {
   TrackerConfig config = forgetful();
-  config.new_map_after_s = 1;
+  config.new_map_after_s = 0.8;
   Mapper first(config);
   for (int i = 0; i < 90; ++i) first.track(seen(i));  // round the hall
   const SavedMap saved = first.save();
@@ -308,7 +308,7 @@ TEST_CASE("a robot that is not in the map it was given is at home in one of its 
   CHECK(tracked.state == TrackingState::kTracking);
   CHECK(tracked.epoch > epoch);
   CHECK(near(tracked.map_from_body, around(0).inverse() * around(i - 1), 0.05, 0.01));
-  CHECK(joins_doubted == (fixed && !said ? 1 : 0));  // else by a search for a lost robot, or by what was said
+  CHECK((joins_doubted > 0) == (fixed && !said));  // else by a search for a lost robot, or by what was said
 }
 
 TEST_CASE("a robot that is lost on new ground is at home there, and in the first map when it comes back" *
