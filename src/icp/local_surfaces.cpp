@@ -71,11 +71,10 @@ Surface surface_of(const Spread<3>& spread, bool lines) {
   if (!(deviation[2] > 0)) return surface;
   const double planarity = std::clamp((deviation[1] - deviation[0]) / deviation[2], 0.0, 1.0);
   surface.normal = spread.axes.col(0).cast<float>();
-  surface.centre = spread.centre;
   surface.weight = static_cast<float>(planarity * planarity);
   surface.scale = static_cast<float>(std::min(1.0, kThin / deviation[0]));
   // Of ground and the foot of a wall the centroid lies on neither.
-  if (surface.scale < 1) surface.centre = spread.own;
+  surface.centre = surface.scale < 1 ? spread.own : spread.centre;
   surface.tilt = (spread.tilt(1) * spread.axes.col(1)).cast<float>();
   surface.tilt_across = static_cast<float>(spread.tilt(2));
   const double linearity = 1.0 - deviation[1] / deviation[2];
