@@ -55,7 +55,6 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
   work.tell(&result);
   result.noise = work.noise();
   result.curvature = work.curvature();
-  result.sweep_s = work.motion.still() ? 0.0 : work.duration;
   result.moving = work.moving(found.x);
   result.matched = work.matched;
   result.median_residual = work.median_absolute_residual();

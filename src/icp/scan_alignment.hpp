@@ -23,8 +23,6 @@ struct MovingPose {
   double middle_s = 0;                     ///< of the times of the scan
 };
 
-inline constexpr double kStraight = 1e-8;  ///< variance of an acceleration that is held at zero
-
 /// What is known before the scan is looked at. The error of a moving pose against it is
 /// e = [log(mean.pose^-1 pose); twist - mean.twist; acceleration]. A body moves smoothly most of the time and
 /// abruptly now and then, so that e has a multivariate Student t distribution with kPriorFreedom degrees of
@@ -32,7 +30,8 @@ inline constexpr double kStraight = 1e-8;  ///< variance of an acceleration that
 struct MotionPrior {
   MovingPose mean;
   Matrix12 information = Matrix12::Zero();  ///< of pose and twist, inverse scale matrix; positive definite
-  Vector6 acceleration_variance = Vector6::Constant(kStraight);  ///< m^2/s^4, rad^2/s^4; its mean is zero
+  /// Power spectral density of an acceleration within the scan that is white noise; m^2/s^3, rad^2/s^3.
+  Vector6 acceleration_density = Vector6::Zero();
   double ahead_s = 0;                          ///< seconds since the state that it was predicted from
   Matrix12 transition = Matrix12::Identity();  ///< of errors of that state to errors of the mean
   Matrix12 noise = Matrix12::Zero();  ///< covariance of what the motion may have been beyond the mean
@@ -86,7 +85,6 @@ struct ScanAlignment {
   /// Covariance of the first derivative of the energy, order and frame as those of `information`; m^2 times
   /// those of it. The points of a patch share an error: they count as one.
   Matrix12 scatter = Matrix12::Zero();
-  double sweep_s = 0;  ///< from the first of its points to the last; 0 without times
   int iterations = 0, evaluations = 0;
   bool converged = false;
   int matched = 0;             ///< source points within the gate of a surface

@@ -17,6 +17,13 @@ inline double bend_at(double t, double middle) {
   return 0.5 * t * (t - 2 * middle);
 }
 
+/// Variance of the acceleration of such a way, the parabola that fits best (least squares over `seconds`),
+/// where the acceleration is white noise of power spectral density one: the fit takes 30 s^2 (1 - s)^2 of an
+/// impulse at the share s of the time, and 900 B(5, 5) is 10 / 7.
+inline double acceleration_variance(double seconds) {
+  return 10.0 / 7.0 / seconds;
+}
+
 /// exp(t * twist + bend_at(t) * acceleration) for the times of a scan: exact at kKnots + 1 instants, linear
 /// in between. At 180 deg/s over 0.1 s the linear part is wrong by 1e-5 rad at most.
 class ScanMotion {

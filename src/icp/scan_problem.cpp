@@ -12,6 +12,8 @@
 namespace scanlock {
 namespace {
 
+constexpr double kStraight = 1e-8;  // variance of an acceleration that is held at zero
+
 /// Sums over the points of one knot, in the frame of the prior's pose: j = [n; w x n].
 struct KnotSums {
   Matrix6 jj = Matrix6::Zero();
@@ -31,10 +33,11 @@ void ScanProblem::begin(const PointCloud& cloud, const AlignmentTarget& to, cons
   correspondences.reset(to.cloud, to.tree, n);
   for (std::vector<float>* values : {&wx, &wy, &wz, &distances, &residuals, &weights}) values->resize(n);
   kernel.resize(n);
-  held.topLeftCorner<12, 12>() = prior->information;
-  held.diagonal().tail<6>() = prior->acceleration_variance.cwiseInverse();
   duration =
       motion.still() ? 0.1 : std::max(motion.knot_time(ScanMotion::kKnots) - motion.knot_time(0), 1e-3);
+  held.topLeftCorner<12, 12>() = prior->information;
+  held.diagonal().tail<6>() =
+      (acceleration_variance(duration) * prior->acceleration_density).cwiseMax(kStraight).cwiseInverse();
   double sum = 0;
   for (std::size_t i = 0; i < n; ++i) sum += cloud.point(i).norm();
   arm = n > 0 ? std::max(sum / static_cast<double>(n), 0.1) : 1.0;

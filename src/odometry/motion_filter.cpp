@@ -62,8 +62,7 @@ MotionPrior MotionFilter::predict(double dt) const {
   Vector6 density;
   density << Eigen::Vector3d::Constant(linear_density_), Eigen::Vector3d::Constant(angular_density_);
   if (planar_) density.segment<3>(2).setZero();
-  for (const int axis : {0, 1, 5})
-    prior.acceleration_variance[axis] = std::max(density[axis] / kManoeuvre, kStraight);
+  prior.acceleration_density = density;
   Matrix12& noise = prior.noise;
   noise.diagonal() << density * (dt * dt * dt / 3.0), density * dt;
   noise.topRightCorner<6, 6>().diagonal() = density * (dt * dt / 2.0);

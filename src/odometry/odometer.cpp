@@ -66,16 +66,6 @@ ScanAlignment corrected(const Attempt& attempt, const Observed& seen) {
   return result;
 }
 
-/// A velocity along z, about x or y that changes at a rate a while a scan of T seconds is taken is a straight
-/// line to the alignment; at the ends of the scan, where its stamp is, that line is off by a T^2 / 12.
-Vector6 unsolved_bend(const MovingPose& before, const ScanAlignment& now, double dt) {
-  Vector6 bend = Vector6::Zero();
-  if (!(dt > 0)) return bend;
-  for (const int axis : kSwinging)
-    bend[axis] = (now.moving.twist[axis] - before.twist[axis]) / dt * (now.sweep_s * now.sweep_s / 12);
-  return bend;
-}
-
 }  // namespace
 
 Matrix6 Attempt::information() const {
@@ -266,16 +256,14 @@ void Odometer::accept(const Attempt& attempt) {
   share_ += 0.3 * (std::max(attempt.health.share, kLeastShare) - share_);
   const double seen = std::max(1.4826 * attempt.alignment.median_residual, kLeastSigma);
   sigma_ += 1.0 / HealthMonitor::kHistory * (std::min(seen, 2.0 * sigma_) - sigma_);
-  const MovingPose before = filter_.state();
+  const Pose before = filter_.state().pose;
   const Observed seen_part = observed(attempt, variance());
   const ScanAlignment real = corrected(attempt, seen_part);
   errors_.update(attempt.prior, attempt.alignment, seen_part.motion, variance(), real.moving);
   MotionPrior prior = attempt.prior;
   prior.mean = attempt.told.value_or(prior.mean);
   filter_.update(prior, real, variance());
-  follow_drift(before.pose);
-  // The velocity before the first alignment is a guess.
-  bend_ = health_.has_history() ? unsolved_bend(before, real, attempt.prior.ahead_s) : Vector6::Zero();
+  follow_drift(before);
   // The frame is that of the first stamp, its points are where the velocity of now puts them.
   const double ahead = real.moving.middle_s;
   add_drift(untold_ * ahead * ahead * errors_.covariance().bottomRightCorner<6, 6>());
@@ -298,15 +286,12 @@ void Odometer::set_pose(const Pose& map_from_body) {
 }
 
 Matrix6 Odometer::pose_covariance() const {
-  Matrix6 result = errors_.covariance().topLeftCorner<6, 6>();
-  result.diagonal() += bend_.cwiseAbs2();
-  return result;
+  return errors_.covariance().topLeftCorner<6, 6>();
 }
 
 /// Within a scan a body accelerates about as it did lately.
 MotionPrior Odometer::as_lately(MotionPrior prior) const {
-  prior.acceleration_variance =
-      prior.acceleration_variance.cwiseProduct(errors_.shares().cwiseMin(1.0)).cwiseMax(kStraight);
+  prior.acceleration_density.array() *= errors_.shares().cwiseMin(1.0).array();
   return prior;
 }
 

@@ -169,8 +169,7 @@ class Odometer {
   Pose last_keyframe_pose_ = Pose::Identity();
   Keyframe first_;  ///< its points as they came, until their motion is known
   Matrix6 drift_ = Matrix6::Zero(), new_drift_ = Matrix6::Zero();
-  Vector6 bend_ = Vector6::Zero();  ///< see unsolved_bend()
-  double untold_ = 0;               ///< share of the map that was seen before any pose was measured
+  double untold_ = 0;  ///< share of the map that was seen before any pose was measured
 };
 
 /// The z-score of a part of a scan beyond which the whole scan does not come below kJumpScore: infeasible.

@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/QR>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -51,6 +53,20 @@ TEST_CASE("the small rotations between two scans are recovered to one percent") 
   }
 }
 
+TEST_CASE("the variance of a scan's acceleration is that of the best parabola through a way of white noise") {
+  constexpr int kTimes = 400, kImpulses = 400;
+  const double seconds = 0.2;
+  Eigen::MatrixXd way(kTimes, kImpulses), model(kTimes, 3);
+  for (int i = 0; i < kTimes; ++i) {
+    const double t = (i + 0.5) / kTimes * seconds;
+    model.row(i) << 1, t, bend_at(t, seconds / 2);
+    for (int k = 0; k < kImpulses; ++k) way(i, k) = std::max(t - (k + 0.5) / kImpulses * seconds, 0.0);
+  }
+  const Eigen::MatrixXd fit = model.colPivHouseholderQr().solve(way);
+  const double variance = fit.row(2).squaredNorm() * seconds / kImpulses;
+  CHECK(variance == doctest::Approx(acceleration_variance(seconds)).epsilon(1e-3));
+}
+
 TEST_CASE("pose and velocity of a sweep are solved from one scan") {
   Hall hall;
   Vector6 twist;
@@ -92,7 +108,7 @@ TEST_CASE("the acceleration within a sweep is solved from one scan where a body 
     options.max_iterations = 60;
     options.tolerance = 1e-5;
     MotionPrior free = weak_prior();
-    free.acceleration_variance.setConstant(1e4);
+    free.acceleration_density.setConstant(700);
     const ScanAlignment found = ScanAligner().align(points, hall.target(), free, options);
     const double off = se3_log(se3_exp(start).inverse() * found.moving.pose).norm();
     CHECK(off < 5e-3);

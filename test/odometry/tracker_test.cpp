@@ -202,8 +202,9 @@ TEST_CASE("a planar sensor is followed in its plane, and what it cannot see is n
     CHECK(error.tail<3>().norm() < 0.5 * kDegree);
     CHECK(std::abs(tracked.map_from_body.translation().z()) < 1e-6);
     if (i == 0) continue;
-    CHECK(tracked.state == TrackingState::kTracking);
-    CHECK(tracked.degenerate_axes == (4u | 8u | 16u));  // z, roll, pitch
+    // Of how it accelerates while the first scans are taken nothing is known.
+    if (i > 1) CHECK(tracked.state == TrackingState::kTracking);
+    if (i > 1) CHECK(tracked.degenerate_axes == (4u | 8u | 16u));  // z, roll, pitch
     CHECK(tracked.covariance.allFinite());
   }
 }
@@ -442,7 +443,7 @@ TEST_CASE("what a cover hid does not surprise when it is taken away") {
     for (std::size_t k = 0; i >= 25 && k < scan.points.size(); k += 8) scan.points.x[k] *= 1.02f;  // leaves
     const TrackedScan tracked = tracker.track(scan);
     if (i > 0) CHECK(tracked.method == PoseMethod::kIcp);
-    if (i > 0 && i != 25) CHECK(tracked.state == TrackingState::kTracking);
+    if (i > 1 && i != 25) CHECK(tracked.state == TrackingState::kTracking);
     CHECK(drive.error(i, tracked).norm() < 0.05);
   }
 }
@@ -463,7 +464,7 @@ TEST_CASE("the motion of the first scans is not taken from one that is covered")
       if (is_covered) CHECK(tracked.state == TrackingState::kInitialising);
       // Over 0.3 s two scans of a hall fit each other at several speeds.
       if (i > (from == 0 ? to + 1 : to + 5)) CHECK((tracked.twist - twist(2, 0, 0)).norm() < 0.12);
-      if (i > to + 3) CHECK(tracked.state == TrackingState::kTracking);
+      if (i > (from == 0 ? to + 3 : to + 5)) CHECK(tracked.state == TrackingState::kTracking);
     }
   }
 }
