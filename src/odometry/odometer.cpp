@@ -235,7 +235,7 @@ Vector6 Odometer::twist_to(const Pose& pose, double seconds) const {
 Attempt Odometer::probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach) {
   const PreparedScan few = part_of(scan, kLookPoints);
   Attempt part = reach == Reach::kFar ? look_far(few, prior) : align(few, prior, reach);
-  if (!explains(part, kHopelessScore)) return part;
+  if (!explains(part, kJumpScore)) return part;
   if (reach == Reach::kNear) return align(scan, prior, reach);
   MotionPrior arrived = prior;  // the part went the far way already
   arrived.mean = part.alignment.moving;

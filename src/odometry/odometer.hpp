@@ -172,9 +172,6 @@ class Odometer {
   double untold_ = 0;  ///< share of the map that was seen before any pose was measured
 };
 
-/// The z-score of a part of a scan beyond which the whole scan does not come below kJumpScore: infeasible.
-inline constexpr double kHopelessScore = 2.0 * kJumpScore;
-
 /// Whether an alignment explains its scan: enough inliers and overlap, and a z-score of the energy below
 /// `most_score`.
 bool explains(const Attempt& attempt, double most_score);

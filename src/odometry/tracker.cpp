@@ -135,7 +135,7 @@ struct Tracker::State {
     MotionPrior loose = loosened(prior);
     Attempt far = odometer->look_far(part, loose);
     far.prior = prior;
-    if (explains(far, kHopelessScore) && check.is_plausible(far)) {
+    if (explains(far, kJumpScore) && check.is_plausible(far)) {
       loose.mean = far.alignment.moving;
       Attempt again = odometer->align(scan, loose, Reach::kNear);
       again.prior = prior;
