@@ -30,7 +30,8 @@ struct MovingPose {
 struct MotionPrior {
   MovingPose mean;
   Matrix12 information = Matrix12::Zero();  ///< of pose and twist, inverse scale matrix; positive definite
-  /// Power spectral density of an acceleration within the scan that is white noise; m^2/s^3, rad^2/s^3.
+  /// Power spectral density of the acceleration within the scan, which is white noise of mean zero; m^2/s^3
+  /// and rad^2/s^3. Zero: a straight way.
   Vector6 acceleration_density = Vector6::Zero();
   double ahead_s = 0;                          ///< seconds since the state that it was predicted from
   Matrix12 transition = Matrix12::Identity();  ///< of errors of that state to errors of the mean

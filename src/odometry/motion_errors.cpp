@@ -11,7 +11,7 @@
 namespace scanlock {
 namespace {
 
-/// Axes of the body that accelerate alike: what drives, and what swings (see kSwinging).
+/// Axes of the body that accelerate alike: what drives, and what swings (see MotionFilter).
 struct Kind {
   int first, last;
 };

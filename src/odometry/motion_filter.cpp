@@ -9,6 +9,8 @@
 namespace scanlock {
 namespace {
 
+constexpr int kSwinging[] = {2, 3, 4};  // z, roll, pitch: what hands, legs and springs do
+
 // What a robot that nobody knows anything of may be doing when it is first seen.
 constexpr double kStartSpeed = 10.0;    // m/s
 constexpr double kStartTurnRate = 1.5;  // rad/s

@@ -6,8 +6,6 @@
 
 namespace scanlock {
 
-inline constexpr int kSwinging[] = {2, 3, 4};  ///< z, roll, pitch: what hands, legs and springs do
-
 inline constexpr double kPoseFloor = 1e-3;  ///< metres and radians: no pose is known better than this
 
 /// The motion between scans: body velocity, disturbed by white noise on the acceleration. Speed, drift and

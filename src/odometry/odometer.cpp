@@ -285,10 +285,6 @@ void Odometer::set_pose(const Pose& map_from_body) {
   new_drift_.setZero();
 }
 
-Matrix6 Odometer::pose_covariance() const {
-  return errors_.covariance().topLeftCorner<6, 6>();
-}
-
 /// Within a scan a body accelerates about as it did lately.
 MotionPrior Odometer::as_lately(MotionPrior prior) const {
   prior.acceleration_density.array() *= errors_.shares().cwiseMin(1.0).array();

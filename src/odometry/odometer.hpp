@@ -126,8 +126,8 @@ class Odometer {
   const MovingPose& state() const { return filter_.state(); }
   /// Of state() against the map around the robot; order and frame as in MotionPrior.
   const Matrix12& covariance() const { return filter_.covariance(); }
-  /// Of the pose alone, with the error of the motion within the scan.
-  Matrix6 pose_covariance() const;
+  /// Of the pose against the same, without taking anything for granted; see MotionErrors.
+  Matrix6 pose_covariance() const { return errors_.covariance().topLeftCorner<6, 6>(); }
   /// Of the map around the robot, against the frame in which it was started: order and frame as those of the
   /// pose in covariance().
   const Matrix6& drift() const { return drift_; }
