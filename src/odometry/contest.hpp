@@ -32,11 +32,11 @@ class Contest {
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
   /// Corrections of predicted poses: first the one that searches believe, which the map need not show all of.
-  /// `given`: see log_odds_of_fit(). `maps`: of each hypothesis an odometer in the map around it; where there
+  /// `maps`: of each hypothesis an odometer in the map around it; where there
   /// are none, the map of the odometer of judge() shows all of them. In one map for all, a hypothesis beside
   /// another would be shown by the keyframes of both, and explain more.
-  Contest(const std::vector<Pose>& map_from_predicted, bool given,
-          std::vector<std::unique_ptr<Odometer>> maps = {});
+  explicit Contest(const std::vector<Pose>& map_from_predicted,
+                   std::vector<std::unique_ptr<Odometer>> maps = {});
   /// A single hypothesis at which the robot is expected, without a search. `wins`: scans that it has
   /// explained already.
   static Contest expected_at(const Pose& map_from_predicted, int wins);
@@ -68,7 +68,6 @@ class Contest {
     std::unique_ptr<Odometer> map;  ///< null: that of judge()
     double least_share = 0;         ///< of the usual share of inliers, to fit
     int missed = 0;
-    bool standing = false;    ///< see note_standing()
     bool fits = false;        ///< the last scan
     bool tried = false;       ///< it has fitted
     bool looked_far = false;  ///< or was looked for farther off
@@ -84,7 +83,7 @@ class Contest {
   void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion, int* far_looks,
                  Place& place) const;
   void note_explained(const PreparedScan& scan, const Pose& predicted, bool anew);
-  bool is_worse(const Place& place, const Place& leader) const;
+  bool is_worse(const Place& place, const Place& other) const;
   void drop_losers(const Pose& predicted);
 
   std::vector<Place> places_;  ///< never empty; the leader first
@@ -93,7 +92,7 @@ class Contest {
   std::vector<double> points_;  ///< in each patch, of the scans since all places were looked for well
   double patch_ = 0;            ///< metres, their edge
   int wins_ = 0, scans_ = 0;
-  bool given_ = false, expected_ = false;
+  bool expected_ = false;
 };
 
 }  // namespace scanlock

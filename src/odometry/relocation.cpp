@@ -253,7 +253,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   }
   std::vector<Pose> places = rivals_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
-  Contest contest(places, !last_seen_, maps_of(places, archive, voxel, odometer));
+  Contest contest(places, maps_of(places, archive, voxel, odometer));
   for (const Pose& standing : answer.standing) contest.note_standing(standing, *excursion_);
   candidate_ = Candidate{std::move(contest), std::move(answer), log_odds};
 }
