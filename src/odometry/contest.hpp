@@ -32,9 +32,9 @@ class Contest {
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
   /// Corrections of predicted poses: first the one that searches believe, which the map need not show all of.
-  /// `maps`: of each hypothesis an odometer in the map around it; where there
-  /// are none, the map of the odometer of judge() shows all of them. In one map for all, a hypothesis beside
-  /// another would be shown by the keyframes of both, and explain more.
+  /// `maps`: of each hypothesis an odometer in the map around it; where there are none, the map of the
+  /// odometer of judge() shows all of them. In one map for all, a hypothesis beside another would be shown by
+  /// the keyframes of both, and explain more.
   explicit Contest(const std::vector<Pose>& map_from_predicted,
                    std::vector<std::unique_ptr<Odometer>> maps = {});
   /// A single hypothesis at which the robot is expected, without a search. `wins`: scans that it has
@@ -75,6 +75,7 @@ class Contest {
     std::vector<PointMatch> point_matches;  ///< of the last scan
     struct Patch {
       double explained = 0, known = 0;  ///< points of the scans: inliers; and all that met a surface
+      double off() const { return known - explained; }
     };
     std::vector<Patch> patches;
     double explained() const;                              ///< points of all patches
