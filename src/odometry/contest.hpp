@@ -15,13 +15,6 @@
 
 namespace scanlock {
 
-/// What the fit of a scan adds to the log odds of a place, by the logistic regression of 729 contests at
-/// right places and 84 at others, of the same map or a strange one (maps of other lidars, most of them of
-/// another simulator; before planes had a scale: since then it speaks against 97 of 898 right places). 0
-/// where no scan was aligned before. `given`: the map shows the whole place, as a rule; of its own a robot
-/// has seen only a part.
-double log_odds_of_fit(const Health& health, bool given);
-
 /// A sequential test of hypotheses, corrections of the predicted pose of a lost robot, on the scans that
 /// follow. A hypothesis wins when it explains three scans in a row with its share of the usual inliers (0.3
 /// of them where searches believe it, 0.9 otherwise) while every other one is refuted or clearly worse, and
@@ -53,6 +46,11 @@ class Contest {
   /// It has had all the scans in which it has to be decided.
   bool is_spent() const;
 
+  /// What the scans add to the log odds that the best hypothesis is the robot's place rather than ground that
+  /// the map does not show, at most kMostOfScans: by the points that are off the surfaces there, beyond those
+  /// off the surfaces of what the robot has seen since it was lost.
+  double log_odds() const;
+
   /// The reason of kUndecided, in words.
   const char* why_undecided() const;
 
@@ -63,6 +61,11 @@ class Contest {
   std::vector<Pose> places() const;
 
  private:
+  struct Patch {
+    double known = 0, explained = 0, steep = 0;  ///< points of the scans, see PointMatch
+    double off() const { return known - explained; }
+    void add(const PointMatch& match);
+  };
   struct Place {
     Pose map_from_predicted;
     std::unique_ptr<Odometer> map;  ///< null: that of judge()
@@ -73,17 +76,14 @@ class Contest {
     bool looked_far = false;  ///< or was looked for farther off
     Attempt attempt;
     std::vector<PointMatch> point_matches;  ///< of the last scan
-    struct Patch {
-      double explained = 0, known = 0;  ///< points of the scans: inliers; and all that met a surface
-      double off() const { return known - explained; }
-    };
     std::vector<Patch> patches;
     double explained() const;                              ///< points of all patches
     bool is_due() const { return !tried && !looked_far; }  ///< before that it cannot be out
   };
   void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion, int* far_looks,
                  Place& place) const;
-  void note_explained(const PreparedScan& scan, const Pose& predicted, bool anew);
+  void note_explained(const PreparedScan& scan, const Excursion& excursion, bool anew);
+  double few() const;
   bool is_worse(const Place& place, const Place& other) const;
   void drop_losers(const Pose& predicted);
 
@@ -91,6 +91,7 @@ class Contest {
   /// Cubes of the predicted frame, by their Morton keys: the points of one share what is wrong with them.
   std::map<std::uint64_t, std::size_t> patches_;
   std::vector<double> points_;  ///< in each patch, of the scans since all places were looked for well
+  std::vector<Patch> own_;      ///< by the excursion's own map
   double patch_ = 0;            ///< metres, their edge
   int wins_ = 0, scans_ = 0;
   bool expected_ = false;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/voxel_grid.hpp"
+#include "global/cloud_normals.hpp"
 #include "icp/degeneracy.hpp"
 
 namespace scanlock {
@@ -199,13 +200,16 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
   return attempt;
 }
 
-std::vector<PointMatch> Odometer::point_matches() const {
-  const std::vector<float>& weights = aligner_.weights();
-  std::vector<PointMatch> matches(weights.size(), PointMatch::kNone);
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    if (weights[i] <= 0) continue;
-    const bool inlier = is_inlier(aligner_.distances()[i], kKernel * sigma_);
-    matches[i] = inlier ? PointMatch::kInlier : PointMatch::kOutlier;
+std::vector<PointMatch> Odometer::point_matches() {
+  std::vector<PointMatch> matches;
+  const std::vector<PointFit> fits = aligner_.fits(map_.target());
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    PointMatch& match = matches.emplace_back();
+    match.known = aligner_.weights()[i] > 0;
+    if (!match.known) continue;
+    match.explained = is_inlier(aligner_.distances()[i], kKernel * sigma_);
+    const Surface& surface = fits[i].surface;
+    match.steep = surface.line || std::abs(surface.normal.z()) < kLevel;
   }
   return matches;
 }

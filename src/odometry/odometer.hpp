@@ -57,8 +57,11 @@ struct Attempt {
   double cost() const { return 1.0 - health.overlap * (1.0 - health.energy); }
 };
 
-/// A source point: it met no surface, lies off the one that it met, or is_inlier() of it.
-enum class PointMatch : std::int8_t { kNone, kOutlier, kInlier };
+/// A source point: whether it met a surface, is_inlier() of it, and met one that stands up (is not level in
+/// the axes of the map), for level ones look alike everywhere.
+struct PointMatch {
+  bool known = false, explained = false, steep = false;
+};
 
 /// Odometry in a local map, with the usual energy of its alignments. It does not decide which alignment is
 /// accepted: its owner does. Its frame is the pose at which it was started.
@@ -97,7 +100,7 @@ class Odometer {
   /// that is the result. (An alignment that fails takes longest.)
   Attempt probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
   /// Of each source point of the last alignment.
-  std::vector<PointMatch> point_matches() const;
+  std::vector<PointMatch> point_matches();
   /// Edge, metres, of the cubes of a scene in which points share the errors of their surfaces.
   static double patch(const PreparedScan& scan);
   /// Whether the next scan is the second one, see deskew_first(): an attempt with kDeskewPoints is enough for

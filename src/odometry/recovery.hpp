@@ -63,12 +63,13 @@ inline constexpr std::uint32_t kOnTheGround = 0b100011;
 inline constexpr std::ptrdiff_t kAgreeing = 1, kPlanarAgreeing = 3;
 /// Of what was seen, the share that contradicts a place (see CloudFit) which is sound nevertheless.
 inline constexpr double kSoundContradiction = 0.015;
-/// Log odds that a place is the robot's, by all searches that name it (see CloudRegistration) and by how
-/// closely the scans that follow fit there, from which it is believed. Of 2456 strange searches one had more
-/// than 4.5; the fit spoke against 236 of 257 other places and against 71 of 729 right ones.
+/// Log odds that a place is the robot's, by all searches that name it (see CloudRegistration) and by the
+/// scans that follow (see Contest::log_odds()), from which it is believed. With all finds put to the test,
+/// none of 682 scans in maps of other buildings had more than -0.2, and 96 % of 759 at the right place had 5
+/// and more.
 inline constexpr double kBelieved = 5.0;
-/// The most of these, and the least, that the fit of the scans adds: by those that fit as usual.
-inline constexpr double kFitsAsUsual = 2.5;
+/// The most of these, and the least, that the scans add.
+inline constexpr double kMostOfScans = 10.0;
 /// Log odds before any search that a robot lost in a map of its own is somewhere in it: 20 to 1.
 inline constexpr double kInOwnMap = 3.0;
 /// What searches that name the same place say together, by the most that one says and the sum of all: half

@@ -140,7 +140,7 @@ Relocation::Outcome Relocation::confirm(const PreparedScan& scan, Odometer& odom
   if (outcome == Contest::Outcome::kRefuted) refuse("the scans that followed do not fit: ");
   if (outcome == Contest::Outcome::kUndecided) {
     if (candidate_->answer) {
-      state_ = TrackingState::kAmbiguous;
+      if (log_odds_of(*candidate_) >= kBelieved) state_ = TrackingState::kAmbiguous;
       undecided_ = candidate_->contest.places();
     }
     refuse(std::string(candidate_->contest.why_undecided()) + ": ");
@@ -231,8 +231,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   const Support support = support_of(answer.map_from_predicted);
   double log_odds = before() + support.log_odds;
   // Of the few points of such a sensor the odds say little: so many finds that agree are believed.
-  if (planar) log_odds = (counts && support.finds > kPlanarAgreeing ? 1 : -1) * (kBelieved + kFitsAsUsual);
-  if (log_odds + kFitsAsUsual < kBelieved) {
+  if (planar) log_odds = (counts && support.finds > kPlanarAgreeing ? 1 : -1) * (kBelieved + kMostOfScans);
+  if (log_odds + kMostOfScans < kBelieved) {
     ended_ = recovery_of(answer);
     ended_->reason.insert(0, planar ? "more searches have to agree: "
                              : gone ? "what is mapped there is gone: "
@@ -284,7 +284,7 @@ double Relocation::log_odds_of(const Candidate& candidate) const {
   if (excursion_->planar()) return candidate.log_odds;
   const Support support = support_of(candidate.contest.map_from_predicted());
   return (support.finds > 0 ? before() + support.log_odds : candidate.log_odds) +
-         log_odds_of_fit(candidate.contest.attempt().health, !last_seen_);
+         candidate.contest.log_odds();
 }
 
 /// Of each place, unless the odometer's map knows all of them, so that scans decide fairly between them. What

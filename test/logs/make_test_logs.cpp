@@ -108,27 +108,6 @@ std::vector<Scan> hall_drive(int scans, int rays, const Vector6& v = velocity(1,
   return result;
 }
 
-/// A hall of 24 x 16 m without columns, which looks the same from its other end.
-Scan bare_hall_scan(const Pose& pose, std::int64_t utime, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  Scan scan;
-  scan.utime = utime;
-  for (int i = 0; i < 250; ++i) {
-    const double azimuth = 3.14159265358979 * uniform(random), elevation = 0.4 * uniform(random);
-    const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
-                              std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-    const Eigen::Vector3d d = pose.linear() * ray, o = pose.translation();
-    double range = 1e9;
-    const Eigen::Vector3d low(-12, -8, -1), high(12, 8, 4);
-    for (int axis = 0; axis < 3; ++axis)
-      range = std::min(range, ((d[axis] > 0 ? high[axis] : low[axis]) - o[axis]) / d[axis]);
-    scan.points.push_back((range * ray).cast<float>());
-    scan.points.time.push_back(0);
-  }
-  return scan;
-}
-
 /// All scans as sectors, stamped and logged as they are.
 Recipe plain(const std::vector<Scan>& scans) {
   Recipe recipe;

@@ -20,6 +20,7 @@ struct Ending {
   Contest::Outcome outcome;
   Pose place;
   std::string why_undecided;
+  double log_odds;
 };
 
 /// Of a contest between places in a map, for a sensor at rest in the hall, which sees all of it.
@@ -39,7 +40,7 @@ Ending contest_of(const std::vector<ArchivedKeyframe>& map, const std::vector<Po
     excursion.follow(100000 * i, 0.1, next);
     outcome = contest.judge(odometer, next, excursion);
   }
-  return {outcome, contest.map_from_predicted(), contest.why_undecided()};
+  return {outcome, contest.map_from_predicted(), contest.why_undecided(), contest.log_odds()};
 }
 
 /// Between a hall that was seen whole and a twin of it, 40 m away, of which the map knows one half.
@@ -96,6 +97,24 @@ TEST_CASE(
                                    {Pose::Identity(), kThere}, false);
   CHECK(ending.outcome == Contest::Outcome::kWon);
   CHECK(near(ending.place, Pose::Identity(), 0.1, 0.01));
+}
+
+TEST_CASE(
+    "scans speak for a place by what stands there and against it by what is off, level ground says nothing") {
+  const PointCloud all = hall_map();
+  PointCloud moved = all, ground;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Eigen::Vector3f p = all.point(i);
+    if (p.y() > 7.9f && p.x() > 0) moved.y[i] += 0.3f;
+    if (std::abs(p.z() + 1) < 0.1f) ground.push_back(p);
+  }
+  const auto said = [&](const PointCloud& map) {
+    return contest_of({archived(Pose::Identity(), map)}, {Pose::Identity()}, false).log_odds;
+  };
+  const double right = said(all), changed = said(moved);
+  CHECK(right > 3);
+  CHECK(changed < right - 5);
+  CHECK(said(ground) == doctest::Approx(0).epsilon(0.05));
 }
 
 TEST_CASE("where two walls are 0.05 m off a place is not believed for a percent more of its points") {
