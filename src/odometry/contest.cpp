@@ -27,10 +27,14 @@ constexpr double kFew = 0.25;  // of the mean number of points in a patch
 // Standard deviations that a difference of counts exceeds by chance once in 30,000 scans. In a hall of two
 // like ends, 500 points a scan, they had 0.9 to 1.0, and at most 3.2 in 141 scans.
 constexpr double kChance = 4;
-// What a patch may have more off the map's surfaces than off those of the robot's own map, see
-// Contest::few(): at the right place scans had -0.05 to 0.01 in the mean over the patches, in the map of
-// another building 0.02 to 0.5 (a vlp16 in rooms: 26 starts, 39 in strange maps).
-constexpr double kMoreThere = 0.03;
+// Energy of a scan beyond the usual one. Of 1052 scans of a vlp16 at the right place in a map of another
+// drive half had more than 0.02 and 5 of 100 more than 0.048, of 990 in maps of other buildings all had more
+// than 0.089 and half more than 0.21; in a town the right place has up to 0.13, and searches that are sure.
+// Log odds of a unit.
+constexpr double kMoreEnergy = 0.07, kOddsOfEnergy = 200;
+// What a fit is worth at most: no less than that, and one more for so many patches of surfaces that stand up.
+// Three scans of rooms met 40 to 330.
+constexpr double kLeastOfFit = 2.5, kPatchesAFold = 15;
 // What the excursion has drifted since the search may be farther off than an alignment reaches that looks
 // near. So many places are looked for farther off on one scan, for it takes time; all are in kWins scans.
 constexpr int kFarLooks = 2;
@@ -104,7 +108,7 @@ bool Contest::is_worse(const Place& place, const Place& other) const {
   const double few = this->few();
   double log_odds = 0, variance = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Patch &here = place.patches[i], &there = other.patches[i];
+    const Place::Patch &here = place.patches[i], &there = other.patches[i];
     const double both = std::min(here.known, there.known) / points_[i];
     const double mean = few + 0.5 * (here.off() + there.off());
     log_odds += both * (log1p(here.off() / few) - log1p(there.off() / few));
@@ -114,29 +118,21 @@ bool Contest::is_worse(const Place& place, const Place& other) const {
 }
 
 double Contest::log_odds() const {
-  const double few = this->few();
-  double log_odds = 0;
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Patch& here = places_.front().patches[i];
-    log_odds += std::min(here.steep, own_[i].known) / points_[i] *
-                (kMoreThere + log1p(own_[i].off() / few) - log1p(here.off() / few));
-  }
-  return std::clamp(log_odds, -kMostOfScans, kMostOfScans);
+  const Place& leader = places_.front();
+  const Health& health = leader.attempt.health;
+  if (health.baseline <= 0) return 0;
+  double stand_up = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i) stand_up += leader.patches[i].steep / points_[i];
+  const double most = std::clamp(stand_up / kPatchesAFold, kLeastOfFit, kMostOfScans);
+  return std::clamp(kOddsOfEnergy * (kMoreEnergy - (health.energy - health.baseline)), -kMostOfScans, most);
 }
 
 /// Adds the scan, in the patches where the robot is predicted. `anew`: to nothing; a place that fits for the
 /// first time was not looked for well enough before.
-void Contest::note_explained(const PreparedScan& scan, const Excursion& excursion, bool anew) {
-  const Pose& predicted = excursion.state().pose;
-  // Of a part of the scan, which a probe looks at first, nothing is known.
-  const auto match_of = [&](const std::vector<PointMatch>& matches, std::size_t i) {
-    return matches.size() == scan.source.size() ? matches[i] : PointMatch{};
-  };
-  const std::vector<PointMatch>& own = excursion.point_matches();
+void Contest::note_explained(const PreparedScan& scan, const Pose& predicted, bool anew) {
   if (anew) {
     patches_.clear();
     points_.clear();
-    own_.clear();
     for (Place& place : places_) place.patches.clear();
     patch_ = Odometer::patch(scan);
   }
@@ -146,20 +142,18 @@ void Contest::note_explained(const PreparedScan& scan, const Excursion& excursio
     const std::size_t k =
         patches_.emplace(morton_key(cell.x(), cell.y(), cell.z()), patches_.size()).first->second;
     points_.resize(patches_.size());
-    own_.resize(patches_.size());
     ++points_[k];
-    own_[k].add(match_of(own, i));
     for (Place& place : places_) {
       place.patches.resize(patches_.size());
-      place.patches[k].add(match_of(place.point_matches, i));
+      // Of a part of the scan, which a probe looks at first, nothing is known.
+      const bool whole = place.point_matches.size() == scan.source.size();
+      const PointMatch match = whole ? place.point_matches[i] : PointMatch{};
+      Place::Patch& patch = place.patches[k];
+      patch.known += match.known ? 1 : 0;
+      patch.explained += match.explained ? 1 : 0;
+      patch.steep += match.steep ? 1 : 0;
     }
   }
-}
-
-void Contest::Patch::add(const PointMatch& match) {
-  known += match.known ? 1 : 0;
-  explained += match.explained ? 1 : 0;
-  steep += match.steep ? 1 : 0;
 }
 
 void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
@@ -209,7 +203,7 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
     try_place(place.map ? *place.map : odometer, scan, excursion, &far_looks, place);
     anew = anew || (place.tried && !tried);
   }
-  note_explained(scan, excursion, anew);
+  note_explained(scan, excursion.state().pose, anew);
   std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
     return a.fits != b.fits ? a.fits : a.explained() > b.explained();
   });

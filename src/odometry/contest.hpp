@@ -47,8 +47,9 @@ class Contest {
   bool is_spent() const;
 
   /// What the scans add to the log odds that the best hypothesis is the robot's place rather than ground that
-  /// the map does not show, at most kMostOfScans: by the points that are off the surfaces there, beyond those
-  /// off the surfaces of what the robot has seen since it was lost.
+  /// the map does not show, up to kMostOfScans: by the energy of the last one beyond the usual one, and the
+  /// more, the more surfaces that stand up they meet there. Level ground fits everywhere. 0 where no scan was
+  /// aligned before.
   double log_odds() const;
 
   /// The reason of kUndecided, in words.
@@ -61,11 +62,6 @@ class Contest {
   std::vector<Pose> places() const;
 
  private:
-  struct Patch {
-    double known = 0, explained = 0, steep = 0;  ///< points of the scans, see PointMatch
-    double off() const { return known - explained; }
-    void add(const PointMatch& match);
-  };
   struct Place {
     Pose map_from_predicted;
     std::unique_ptr<Odometer> map;  ///< null: that of judge()
@@ -76,13 +72,17 @@ class Contest {
     bool looked_far = false;  ///< or was looked for farther off
     Attempt attempt;
     std::vector<PointMatch> point_matches;  ///< of the last scan
+    struct Patch {
+      double known = 0, explained = 0, steep = 0;  ///< points of the scans, see PointMatch
+      double off() const { return known - explained; }
+    };
     std::vector<Patch> patches;
     double explained() const;                              ///< points of all patches
     bool is_due() const { return !tried && !looked_far; }  ///< before that it cannot be out
   };
   void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion, int* far_looks,
                  Place& place) const;
-  void note_explained(const PreparedScan& scan, const Excursion& excursion, bool anew);
+  void note_explained(const PreparedScan& scan, const Pose& predicted, bool anew);
   double few() const;
   bool is_worse(const Place& place, const Place& other) const;
   void drop_losers(const Pose& predicted);
@@ -91,7 +91,6 @@ class Contest {
   /// Cubes of the predicted frame, by their Morton keys: the points of one share what is wrong with them.
   std::map<std::uint64_t, std::size_t> patches_;
   std::vector<double> points_;  ///< in each patch, of the scans since all places were looked for well
-  std::vector<Patch> own_;      ///< by the excursion's own map
   double patch_ = 0;            ///< metres, their edge
   int wins_ = 0, scans_ = 0;
   bool expected_ = false;

@@ -45,7 +45,6 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
     begin_anew(utime, scan, {now.pose, way});
     return false;
   }
-  point_matches_ = odometer_->point_matches();
   odometer_->keep(utime, scan, attempt.health.share);
   remember(utime, scan);
   attempt_ = std::move(attempt);
@@ -61,7 +60,6 @@ Surroundings Excursion::surroundings() const {
 void Excursion::begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted) {
   odometer_->start(utime, scan, predicted);
   seen_.clear();
-  point_matches_.clear();
   bend_.setZero();
   up_sum_.setZero();
   blind_s_ = followed_s_ = 0;

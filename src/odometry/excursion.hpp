@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "odometry/keyframe_archive.hpp"
 #include "odometry/odometer.hpp"
@@ -45,8 +44,6 @@ class Excursion {
   double followed_s() const { return followed_s_; }
   /// The alignment of the last scan that was followed.
   const Attempt& attempt() const { return attempt_; }
-  /// Of its source points, on what was seen before it.
-  const std::vector<PointMatch>& point_matches() const { return point_matches_; }
 
   /// `scene` is 0 until it has followed a scan.
   Surroundings surroundings() const;
@@ -67,7 +64,6 @@ class Excursion {
   Eigen::Vector3d up_sum_ = Eigen::Vector3d::Zero();
   double followed_s_ = 0;
   Attempt attempt_;
-  std::vector<PointMatch> point_matches_;
   double blind_s_ = 0;  ///< since the last scan that was followed
 };
 

@@ -65,7 +65,7 @@ inline constexpr std::ptrdiff_t kAgreeing = 1, kPlanarAgreeing = 3;
 inline constexpr double kSoundContradiction = 0.015;
 /// Log odds that a place is the robot's, by all searches that name it (see CloudRegistration) and by the
 /// scans that follow (see Contest::log_odds()), from which it is believed. With all finds put to the test,
-/// none of 682 scans in maps of other buildings had more than -0.2, and 96 % of 759 at the right place had 5
+/// none of 990 scans in maps of other buildings had more than 0.2, and 98 % of 1052 at the right place had 5
 /// and more.
 inline constexpr double kBelieved = 5.0;
 /// The most of these, and the least, that the scans add.

@@ -99,22 +99,23 @@ TEST_CASE(
   CHECK(near(ending.place, Pose::Identity(), 0.1, 0.01));
 }
 
-TEST_CASE(
-    "scans speak for a place by what stands there and against it by what is off, level ground says nothing") {
+TEST_CASE("scans speak for a place by what stands there, and against it by what is off") {
   const PointCloud all = hall_map();
-  PointCloud moved = all, ground;
+  PointCloud part, moved = all;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Eigen::Vector3f p = all.point(i);
-    if (p.y() > 7.9f && p.x() > 0) moved.y[i] += 0.3f;
-    if (std::abs(p.z() + 1) < 0.1f) ground.push_back(p);
+    if (p.y() < 7.9f) part.push_back(p);
+    if (p.y() > 7.9f) moved.y[i] += 0.3f;
+    if (p.x() > 11.9f) moved.x[i] += 0.3f;
   }
   const auto said = [&](const PointCloud& map) {
     return contest_of({archived(Pose::Identity(), map)}, {Pose::Identity()}, false).log_odds;
   };
-  const double right = said(all), changed = said(moved);
-  CHECK(right > 3);
-  CHECK(changed < right - 5);
-  CHECK(said(ground) == doctest::Approx(0).epsilon(0.05));
+  const double whole = said(all), shown_in_part = said(part);
+  CHECK(whole > 3);
+  CHECK(shown_in_part > 0);
+  CHECK(shown_in_part < whole);
+  CHECK(said(moved) < -5);
 }
 
 TEST_CASE("where two walls are 0.05 m off a place is not believed for a percent more of its points") {
