@@ -99,7 +99,7 @@ class Odometer {
   /// Aligns where success is unlikely: with part of the points first, and where these are far from explained,
   /// that is the result. (An alignment that fails takes longest.)
   Attempt probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
-  /// Of each source point of the last alignment.
+  /// Of each source point of the last alignment, as long as the map is the one that it was aligned to.
   std::vector<PointMatch> point_matches();
   /// Edge, metres, of the cubes of a scene in which points share the errors of their surfaces.
   static double patch(const PreparedScan& scan);
