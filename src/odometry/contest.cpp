@@ -25,7 +25,7 @@ constexpr int kWins = 3;               // scans in a row
 constexpr int kMissesAllowed = 1;
 constexpr double kFew = 0.25;  // of the mean number of points in a patch
 // Standard deviations that a difference of counts exceeds by chance once in 30,000 scans. In a hall of two
-// like ends, 500 points a scan, they had 0.9 to 1.0, and at most 3.2 in 141 scans.
+// like ends, 250 points a scan, they had 0.9 to 1.0, and at most 3.2 in 141 scans.
 constexpr double kChance = 4;
 // Energy of a scan beyond the usual one. Of 1052 scans of a vlp16 at the right place in a map of another
 // drive half had more than 0.02 and 5 of 100 more than 0.048, of 990 in maps of other buildings all had more
@@ -33,7 +33,7 @@ constexpr double kChance = 4;
 // Log odds of a unit.
 constexpr double kMoreEnergy = 0.07, kOddsOfEnergy = 200;
 // What a fit is worth at most: no less than that, and one more for so many patches of surfaces that stand up.
-// Three scans of rooms met 40 to 330.
+// One to eight scans of rooms met 40 to 330.
 constexpr double kLeastOfFit = 2.5, kPatchesAFold = 15;
 // What the excursion has drifted since the search may be farther off than an alignment reaches that looks
 // near. So many places are looked for farther off on one scan, for it takes time; all are in kWins scans.
@@ -93,11 +93,6 @@ double Contest::Place::explained() const {
                          [](double sum, const Patch& patch) { return sum + patch.explained; });
 }
 
-/// So many points of a patch off its surfaces are nothing unusual.
-double Contest::few() const {
-  return kFew * std::accumulate(points_.begin(), points_.end(), 0.0) / static_cast<double>(points_.size());
-}
-
 /// Whether the other place is believed against this one, by the points that meet a surface and do not lie on
 /// it. Their number in a patch has a long tail, at the right place (people, what was moved) and at others, so
 /// that its logarithm counts. What a map does not show speaks for nothing: a patch counts as far as both show
@@ -105,7 +100,8 @@ double Contest::few() const {
 /// difference below 1.8, and its factor in a logistic regression is 1.0. Where points are few it may be
 /// chance.
 bool Contest::is_worse(const Place& place, const Place& other) const {
-  const double few = this->few();
+  const double few =
+      kFew * std::accumulate(points_.begin(), points_.end(), 0.0) / static_cast<double>(points_.size());
   double log_odds = 0, variance = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Place::Patch &here = place.patches[i], &there = other.patches[i];

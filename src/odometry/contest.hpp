@@ -18,8 +18,8 @@ namespace scanlock {
 /// A sequential test of hypotheses, corrections of the predicted pose of a lost robot, on the scans that
 /// follow. A hypothesis wins when it explains three scans in a row with its share of the usual inliers (0.3
 /// of them where searches believe it, 0.9 otherwise) while every other one is refuted or clearly worse, and
-/// leaves no horizontal direction open. The test is
-/// undecided when no single hypothesis has won after a fixed number of scans.
+/// leaves no horizontal direction open. The test is undecided when no single hypothesis has won after a fixed
+/// number of scans.
 class Contest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
@@ -83,7 +83,6 @@ class Contest {
   void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion, int* far_looks,
                  Place& place) const;
   void note_explained(const PreparedScan& scan, const Pose& predicted, bool anew);
-  double few() const;
   bool is_worse(const Place& place, const Place& other) const;
   void drop_losers(const Pose& predicted);
 

@@ -2,15 +2,12 @@
 // SPDX-License-Identifier: MIT
 // Makes the logs of this folder: make_test_logs FOLDER. A log that is there stays as it is, for a log that
 // broke something once is a test for ever; its recipe is here to be read, and to make others like it.
-#include <algorithm>
 #include <bot_core/ins_t.hpp>
 #include <bot_core/pose_t.hpp>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <mbot_lcm_msgs/lidar_t.hpp>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>

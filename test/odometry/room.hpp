@@ -15,9 +15,8 @@
 
 namespace scanlock {
 
-/// A hall of 24 x 16 x 5 m with four columns, seen by a sensor that fires random rays over `sweep_s` seconds
-/// while it moves with a constant body velocity; ranges are exact.
-inline double hall_range(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
+/// To the walls, the floor or the ceiling of a hall of 24 x 16 x 5 m.
+inline double walls_range(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
   double nearest = 1e9;
   const Eigen::Vector3d low(-12, -8, -1), high(12, 8, 4);
   for (int axis = 0; axis < 3; ++axis) {
@@ -26,6 +25,13 @@ inline double hall_range(const Eigen::Vector3d& from, const Eigen::Vector3d& dir
       if (t > 1e-6 && t < nearest) nearest = t;
     }
   }
+  return nearest;
+}
+
+/// The hall with four columns, seen by a sensor that fires random rays over `sweep_s` seconds while it moves
+/// with a constant body velocity; ranges are exact.
+inline double hall_range(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
+  double nearest = walls_range(from, direction);
   for (const Eigen::Vector2d& centre : {Eigen::Vector2d(4, 3), Eigen::Vector2d(-5, 2), Eigen::Vector2d(2, -5),
                                         Eigen::Vector2d(-7, -4.5)}) {  // square columns, 1 m wide
     for (int axis = 0; axis < 2; ++axis) {
@@ -90,7 +96,7 @@ inline Scan half_of(const Scan& scan) {
   return covered(scan, [](float, float y, float) { return !(y > 0); });
 }
 
-/// 250 points of a hall of 24 x 16 m without columns, which looks the same from its other end.
+/// 250 points of the hall without columns, which looks the same from its other end.
 inline Scan bare_hall_scan(const Pose& pose, std::int64_t utime, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -100,11 +106,7 @@ inline Scan bare_hall_scan(const Pose& pose, std::int64_t utime, unsigned seed) 
     const double azimuth = 3.14159265358979 * uniform(random), elevation = 0.4 * uniform(random);
     const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
                               std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-    const Eigen::Vector3d d = pose.linear() * ray, o = pose.translation();
-    double range = 1e9;
-    const Eigen::Vector3d low(-12, -8, -1), high(12, 8, 4);
-    for (int axis = 0; axis < 3; ++axis)
-      range = std::min(range, ((d[axis] > 0 ? high[axis] : low[axis]) - o[axis]) / d[axis]);
+    const double range = walls_range(pose.translation(), pose.linear() * ray);
     scan.points.push_back((range * ray).cast<float>());
     scan.points.time.push_back(0);
   }
