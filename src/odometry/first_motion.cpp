@@ -65,12 +65,15 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   const auto found_by = [&](const Attempt& a) -> MovingPose {
     return gapless ? moving_at(se3_log(pose.inverse() * a.alignment.moving.pose) / dt) : a.alignment.moving;
   };
-  const auto align_from = [&](const MovingPose& second, const PreparedScan& points) {
+  const auto align_held = [&](const MovingPose& second, const PreparedScan& points, MotionPrior prior) {
     map_.clear();
     insert(first_.utime, first, {pose, second.twist});
-    MotionPrior there = loosened(attempt.prior);
-    there.mean = second;
-    return align(points, there, Reach::kNear);
+    prior.mean = second;
+    return align(points, prior, Reach::kNear);
+  };
+  const MotionPrior loose = loosened(attempt.prior);
+  const auto align_from = [&](const MovingPose& second, const PreparedScan& points) {
+    return align_held(second, points, loose);
   };
   const auto same = [&](const Vector6& a, const Vector6& b, double voxels = kSame) {
     const Vector6 apart = dt * (a - b);
@@ -114,16 +117,20 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   settle(found_by(attempt));
   settle(rest);
   if (gapless && any_speed) {
-    // Where starts on both sides lead to what is known, those farther off are not tried.
+    // Where two speeds in a row lead, on both sides, to what is known, those farther off are not tried.
+    int known = 0;
     for (const double speed : kSpeeds) {
       const bool ahead = settle(moving_at(speed * Vector6::Unit(0)));
       const bool behind = settle(moving_at(-speed * Vector6::Unit(0)));
-      if (!ahead && !behind) break;
+      known = ahead || behind ? 0 : known + 1;
+      if (known == 2) break;
     }
   }
   const bool at_rest = best.twist.isZero();
   for (int round = 0; round < kRounds && !at_rest; ++round) best = found_by(align_from(best, all));
-  Attempt result = align_from(best, scan);
+  // The velocity within the scan is that of the way there: on a bridge, which hardly holds a motion ahead, it
+  // would fit with any.
+  Attempt result = align_held(best, scan, attempt.prior);
   result.prior = attempt.prior;
   return result;
 }
