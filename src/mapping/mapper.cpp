@@ -385,6 +385,7 @@ void Mapper::load(SavedMap saved, bool fixed) {
   for (std::size_t i = 1; i < submaps.size(); ++i) {
     const Eigen::Vector3d away(-kSubmapsApart * static_cast<double>(i), 0, 0);
     submaps[i].own_from_map = Eigen::Translation3d(away);
+    submaps[i].located = false;
     for (const auto& [id, pose] : submaps[i].graph.nodes())
       if (id != kOriginNode) saved.keyframes[id - 1].map_from_body = submaps[i].own_from_map * pose;
   }

@@ -19,7 +19,8 @@ struct Submap {
   Pose own_from_map = Pose::Identity();  ///< own: the frame of the tracker and its archive
   bool fixed = false;  ///< true: holds a map that was given and does not move; kOriginNode stands for all its
                        ///< keyframes
-  bool located = true;  ///< false: begun by a robot that was not found in the map it was given
+  /// False: its frame is not that of the map it was loaded with, or which its robot was not found in.
+  bool located = true;
 };
 
 /// Whether the joined submap takes the frame of `a`: the frame of a map that was given, else that of the

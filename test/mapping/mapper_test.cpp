@@ -311,6 +311,31 @@ TEST_CASE("a robot that is not in the map it was given is at home in one of its 
   CHECK((joins_doubted > 0) == (fixed && !said));  // else by a search for a lost robot, or by what was said
 }
 
+TEST_CASE(
+    "a robot that is found in a submap of a map file which nothing ties to the file's frame is not in the "
+    "map") {
+  TrackerConfig config = forgetful();
+  config.new_map_after_s = 0.8;
+  Mapper first(config), there(config), later(config);
+  MapWorker worker(config);
+  for (int i = 0; i < 90; ++i) first.track(seen(i));  // round the hall
+  const auto follow = [&](Mapper& mapper, int begin) {
+    TrackedScan tracked;
+    for (int k = begin; k < begin + 50; ++k) {
+      tracked = mapper.track(elsewhere(k, k - 15));
+      if (auto request = mapper.take_request()) mapper.give(worker.work(*request));
+    }
+    CHECK(tracked.state == TrackingState::kTracking);
+    CHECK_FALSE(tracked.localised);
+  };
+  there.load(first.save());
+  follow(there, 15);
+  REQUIRE(there.other_submaps() == 1);
+  later.load(there.save());
+  follow(later, 20);
+  CHECK(later.other_submaps() == 1);
+}
+
 TEST_CASE("a robot that is lost on new ground is at home there, and in the first map when it comes back" *
           doctest::test_suite("long drives")) {
   TrackerConfig config;
