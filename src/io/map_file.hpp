@@ -10,14 +10,15 @@
 
 namespace scanlock {
 
-/// A map file, version 3. All numbers little-endian; a pose is the upper three rows of its matrix, row-major,
+/// A map file, version 4. All numbers little-endian; a pose is the upper three rows of its matrix, row-major,
 /// as 12 float64.
 ///
 ///     offset  size  what
 ///     0       8     89 53 4C 4D 41 50 0D 0A (".SLMAP" and a line end that text conversions damage)
 ///     8       4     version
 ///     12      8     bytes of the body
-///     20            body: uint32 epoch, pose last_pose, uint32 keyframes, then of each keyframe
+///     20            body: uint32 epoch, pose last_pose, float64 up[3] (not in versions 1 to 3: the z axis),
+///                   uint32 keyframes, then of each keyframe
 ///                     int64 utime, pose map_from_body, float32 reach, int32 k, uint32 points n,
 ///                     int16 x[n], y[n], z[n] in steps of 2^k metres,
 ///                     uint32 stands m, float32 x, y, z of each (not in version 1);
@@ -29,9 +30,9 @@ namespace scanlock {
 ///
 /// The step is the smallest power of two that reaches the keyframe's farthest coordinate in 32767 steps, so a
 /// coordinate is kept to half of it: 2 mm where the farthest is 100 m, 0.25 mm where it is 15 m. Poses are
-/// kept exactly, and a map of this version that was read is written to the same bytes again. Versions 1 and 2
+/// kept exactly, and a map of this version that was read is written to the same bytes again. Versions 1 to 3
 /// are read, too.
-constexpr std::uint32_t kMapVersion = 3;
+constexpr std::uint32_t kMapVersion = 4;
 
 /// Points that are not finite are left out.
 std::vector<std::uint8_t> encode_map(const SavedMap& map);

@@ -13,7 +13,7 @@ namespace scanlock {
 
 // What a map file begins with, and the sizes in bytes of what it holds: see map_file.hpp.
 inline constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'S', 'L', 'M', 'A', 'P', '\r', '\n'};
-inline constexpr std::size_t kPoseBytes = 12 * 8, kChecksumBytes = 4;
+inline constexpr std::size_t kPoseBytes = 12 * 8, kUpBytes = 3 * 8, kChecksumBytes = 4;
 inline constexpr std::size_t kKeyframeBytes = 8 + kPoseBytes + 4 + 4 + 4;  // without its points
 inline constexpr std::size_t kConstraintBytes = 4 + 4 + kPoseBytes + 4 + 21 * 8;
 inline constexpr std::size_t kPointBytes = 3 * 2, kStandBytes = 3 * 4;

@@ -132,6 +132,17 @@ Pose read_pose(MapReader& reader, const char* what) {
   return pose;
 }
 
+Eigen::Vector3d read_up(MapReader& reader) {
+  const std::size_t at = reader.at();
+  reader.need(kUpBytes, "the upward direction");
+  Eigen::Vector3d up;
+  for (double& coordinate : up)
+    coordinate = bits_of<double>(reader.get<std::uint64_t>("the upward direction"));
+  constexpr double kTolerance = 1e-6;
+  if (!(std::abs(up.norm() - 1) < kTolerance)) reader.fail(at, "the upward direction is none");
+  return up;
+}
+
 std::vector<Eigen::Vector3f> read_stands(MapReader& reader) {
   const std::size_t start = reader.at();
   const std::uint64_t count = reader.get<std::uint32_t>("the number of stands");
@@ -203,6 +214,7 @@ SavedMap read_body(MapReader& reader, std::uint32_t version) {
   SavedMap map;
   map.epoch = reader.get<std::uint32_t>("the epoch");
   map.last_pose = read_pose(reader, "the last pose");
+  if (version >= 4) map.up = read_up(reader);
   const std::uint64_t count = reader.get<std::uint32_t>("the number of keyframes");
   reader.need(count * kKeyframeBytes, "the keyframes");
   map.keyframes.reserve(static_cast<std::size_t>(count));

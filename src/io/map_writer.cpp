@@ -90,7 +90,7 @@ void put_constraint(std::vector<std::uint8_t>& out, const Constraint& constraint
 }  // namespace
 
 void encode_map(const SavedMap& map, const TakeBytes& take) {
-  std::uint64_t body = 4 + kPoseBytes + 4 + 4 + kConstraintBytes * map.constraints.size();
+  std::uint64_t body = 4 + kPoseBytes + kUpBytes + 4 + 4 + kConstraintBytes * map.constraints.size();
   for (const ArchivedKeyframe& keyframe : map.keyframes)
     body += kKeyframeBytes + kPointBytes * finite_points(keyframe.points) + 4 +
             kStandBytes * keyframe.stands.size();
@@ -105,6 +105,7 @@ void encode_map(const SavedMap& map, const TakeBytes& take) {
   put(piece, body);
   put(piece, map.epoch);
   put_pose(piece, map.last_pose);
+  for (const double coordinate : map.up) put(piece, bits_of<std::uint64_t>(coordinate));
   put(piece, static_cast<std::uint32_t>(map.keyframes.size()));
   for (const ArchivedKeyframe& keyframe : map.keyframes) {
     put_keyframe(piece, keyframe);

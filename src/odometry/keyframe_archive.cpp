@@ -46,6 +46,7 @@ Constraint tie_to(const ArchivedKeyframe& before, const Pose& map_from_here, con
 SavedMap moved(const SavedMap& map, const Pose& there_from_here) {
   SavedMap result = map;
   result.last_pose = renormalised(there_from_here * map.last_pose);
+  result.up = there_from_here.linear() * map.up;
   const Eigen::Matrix3f turn = there_from_here.linear().cast<float>();
   for (ArchivedKeyframe& keyframe : result.keyframes) {
     keyframe.map_from_body = renormalised(there_from_here * keyframe.map_from_body);

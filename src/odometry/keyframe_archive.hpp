@@ -52,10 +52,10 @@ struct SavedMap {
   std::vector<ArchivedKeyframe> keyframes;  ///< oldest first
   /// Between keyframes, by their places in the list, from 1 on; 0 is the map's frame. None: it is rigid.
   std::vector<Constraint> constraints = {};
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< in the map's frame; a file does not keep it
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< in the map's frame
 };
 
-/// The same map in another frame, whose z axis must point the same way; the points are shared.
+/// The same map in another frame; the points are shared, and constraints stay as they are.
 SavedMap moved(const SavedMap& map, const Pose& there_from_here);
 
 /// The long memory: keyframes spread over all mapped ground, for coming back to. What it costs is bounded by

@@ -286,7 +286,21 @@ TEST_CASE("the bytes of all versions stay as they are") {
     }
   }
   append({0, 0, 0, 0});
+  const SavedMap third = decode_map(sealed(expected), "yard.map");
+  REQUIRE(third.constraints.size() == 1);
+  CHECK(third.constraints[0].information == information);
+  CHECK(third.up == Eigen::Vector3d::UnitZ());
+
+  map.up = {0, -1, 0};
+  expected[8] = 4;
+  expected[12] = static_cast<std::uint8_t>((body + 24) & 255);
+  expected[13] = static_cast<std::uint8_t>((body + 24) >> 8);
+  Bytes up(24, 0);
+  up[14] = 0xF0;
+  up[15] = 0xBF;
+  expected.insert(expected.begin() + 20 + 4 + 96, up.begin(), up.end());
   CHECK(encode_map(map) == sealed(expected));
+  CHECK(decode_map(sealed(expected), "yard.map").up == map.up);
 }
 
 TEST_CASE("what is wrong is named with its byte") {
@@ -308,7 +322,7 @@ TEST_CASE("what is wrong is named with its byte") {
   flipped[200] ^= 1;
   CHECK(contains(error_of(flipped), "byte " + std::to_string(good.size() - 4) + ": the checksum"));
   Bytes counted = good;
-  counted[20 + 4 + 96] = 200;  // keyframes that are not there, under a fitting checksum
+  counted[20 + 4 + 96 + 24] = 200;  // keyframes that are not there, under a fitting checksum
   CHECK(contains(error_of(sealed(counted)), "the keyframes would take"));
   const std::size_t end = good.size() - 4 - (4 + 276);  // of the keyframes; then one constraint
   Bytes fallen = good;
@@ -332,6 +346,9 @@ TEST_CASE("what is wrong is named with its byte") {
   Bytes bent = good;
   bent[20 + 4 + 7] = 0x7F;  // the first element of the last pose
   CHECK(contains(error_of(sealed(bent)), "byte 24: the last pose is no rigid pose"));
+  Bytes fell = good;
+  fell[20 + 4 + 96 + 23] = 0x40;  // of the upward direction: 2
+  CHECK(contains(error_of(sealed(fell)), "byte 120: the upward direction is none"));
 }
 
 TEST_CASE("no truncation and no flipped bit is taken for a map and none crashes") {

@@ -311,6 +311,21 @@ TEST_CASE("a robot that is not in the map it was given is at home in one of its 
   CHECK((joins_doubted > 0) == (fixed && !said));  // else by a search for a lost robot, or by what was said
 }
 
+TEST_CASE("a map whose z axis is not up keeps what is") {
+  Mapper first(TrackerConfig{}), mapper(TrackerConfig{});
+  for (int i = 0; i < 90; ++i) first.track(seen(i));  // round the hall
+  Vector6 lying;
+  lying << 4, -2, 1, 0, 1.5, 0;
+  const SavedMap given = moved(first.save(), se3_exp(lying));
+  CHECK_FALSE(given.up.isApprox(Eigen::Vector3d::UnitZ(), 1e-3));
+  mapper.load(given);
+  const SavedMap kept = mapper.save();
+  CHECK(kept.up.isApprox(given.up, 1e-9));
+  REQUIRE(kept.keyframes.size() == given.keyframes.size());
+  for (std::size_t k = 0; k < kept.keyframes.size(); ++k)
+    CHECK(near(kept.keyframes[k].map_from_body, given.keyframes[k].map_from_body, 1e-6, 1e-6));
+}
+
 TEST_CASE(
     "a robot that is found in a submap of a map file which nothing ties to the file's frame is not in the "
     "map") {
