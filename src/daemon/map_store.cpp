@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <set>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "daemon/mount.hpp"
@@ -34,21 +35,25 @@ bool same_pose(const Pose& a, const Pose& b) {
   return near(a, b, kRounding, kRounding);
 }
 
-/// Poses tell: the points of a keyframe never change.
+/// What never changes of a keyframe. The times of those of a bare cloud are mere numbers.
+std::tuple<std::int64_t, float, std::size_t> identity(const ArchivedKeyframe& keyframe) {
+  return {keyframe.utime, keyframe.reach, keyframe.points.size()};
+}
+
 bool same_keyframes(const SavedMap& a, const SavedMap& b) {
-  if (a.keyframes.size() != b.keyframes.size()) return false;
-  for (std::size_t i = 0; i < a.keyframes.size(); ++i) {
-    const ArchivedKeyframe &one = a.keyframes[i], &other = b.keyframes[i];
-    if (one.utime != other.utime || !same_pose(one.map_from_body, other.map_from_body)) return false;
-  }
-  return true;
+  return std::equal(a.keyframes.begin(), a.keyframes.end(), b.keyframes.begin(), b.keyframes.end(),
+                    [](const ArchivedKeyframe& one, const ArchivedKeyframe& other) {
+                      return identity(one) == identity(other) &&
+                             same_pose(one.map_from_body, other.map_from_body);
+                    });
 }
 
 bool share_a_keyframe(const SavedMap& a, const SavedMap& b) {
-  std::set<std::int64_t> utimes;
-  for (const ArchivedKeyframe& keyframe : a.keyframes) utimes.insert(keyframe.utime);
-  return std::any_of(b.keyframes.begin(), b.keyframes.end(),
-                     [&](const ArchivedKeyframe& keyframe) { return utimes.count(keyframe.utime) > 0; });
+  std::set<std::tuple<std::int64_t, float, std::size_t>> identities;
+  for (const ArchivedKeyframe& keyframe : a.keyframes) identities.insert(identity(keyframe));
+  return std::any_of(b.keyframes.begin(), b.keyframes.end(), [&](const ArchivedKeyframe& keyframe) {
+    return identities.count(identity(keyframe)) > 0;
+  });
 }
 
 std::string described(const SavedMap& map) {
@@ -144,7 +149,7 @@ LoadedMap MapStore::read(const std::string& file) const {
   } else {
     loaded.map = read_map(file);
     if (file == saved_file_ && is_bare_cloud(config_.file))
-      loaded.map.up = up;  // it has grown out of the cloud
+      loaded.map.up = up;  // it has grown out of the cloud; files before version 4 do not tell
   }
   statistics_.say(LogLevel::kInfo, file + ": map loaded: " + described(loaded.map));
   return loaded;

@@ -171,6 +171,27 @@ TEST_CASE("a map that the new one does not continue is kept") {
   CHECK(read_map(config.daemon.map.file).keyframes.at(0).utime > 1000000 + 100000 * 2);
 }
 
+TEST_CASE("a map made of one cloud that takes the place of a map made of another is no more of it") {
+  const TemporaryDirectory folder;
+  const auto write = [&](const std::string& path, float reach) {
+    const Scan scan = hall_scan(Pose::Identity(), Vector6::Zero(), 0, 5);
+    SavedMap map;  // the keyframes of a cloud are numbered
+    for (int i = 1; i <= 3; ++i)
+      map.keyframes.push_back({i, Pose(Eigen::Translation3d(i, 0, 0)), reach, scan.points, {}});
+    write_map(path, map);
+  };
+  Config config;
+  config.daemon.map.file = folder / "one.map";
+  write(config.daemon.map.file, 8);
+  write(folder / "other.map", 9);
+  const Bytes before = file_bytes(config.daemon.map.file);
+  Bench bench(config);
+  bench.command(CommandKind::kLoadMap, folder / "other.map");
+  bench.end();
+  CHECK(file_bytes(config.daemon.map.file + ".old") == before);
+  CHECK(read_map(config.daemon.map.file).keyframes.at(0).reach == 9);
+}
+
 TEST_CASE("a map that could not be saved later is an error at the start") {
   Config config;
   config.daemon.map.file = "/nonexistent/folder/hall.map";
