@@ -152,35 +152,42 @@ void Contest::note_explained(const PreparedScan& scan, const Pose& predicted, bo
   }
 }
 
-void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
-                        int* far_looks, Place& place) const {
+/// `most`: share of inliers at the place that has most. What a coarse map shows nowhere speaks against none.
+bool Contest::fits(const Attempt& attempt, const Place& place, double most) const {
+  const double usual = attempt.health.usual_share > 0 ? attempt.health.usual_share : kUnknownShare;
+  const double needed = std::max(place.least_share * std::min(usual, most), kKnownShare * usual);
+  // A map of another sensor or day explains scans less well, which says nothing against what a search found.
+  return explains(attempt, expected_ ? kJumpScore : std::numeric_limits<double>::infinity()) &&
+         attempt.health.share >= needed &&
+         near(attempt.alignment.moving.pose, attempt.prior.mean.pose, 3.0 * place.near_metres(),
+              3.0 * place.near_radians());
+}
+
+void Contest::look_near(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
+                        Place& place) const {
   const MovingPose& predicted = excursion.state();
-  const double metres = place.tried ? 0.1 : 0.5, radians = (place.tried ? 2.0 : 3.0) * kDegree;
   MotionPrior prior;
   prior.mean = {renormalised(place.map_from_predicted * predicted.pose), predicted.twist};
-  prior.information = prior_information(metres, radians, excursion.covariance());
-  const auto fits = [&](const Attempt& attempt) {
-    const double usual = attempt.health.usual_share > 0 ? attempt.health.usual_share : kUnknownShare;
-    // A map of another sensor or day explains scans less well, which says nothing against what a search
-    // found.
-    return explains(attempt, expected_ ? kJumpScore : std::numeric_limits<double>::infinity()) &&
-           attempt.health.share >= place.least_share * usual &&
-           near(attempt.alignment.moving.pose, prior.mean.pose, 3.0 * metres, 3.0 * radians);
-  };
+  prior.information = prior_information(place.near_metres(), place.near_radians(), excursion.covariance());
   place.attempt = odometer.align(scan, prior, Reach::kNear);
   place.point_matches = odometer.point_matches();
-  if (place.is_due() && !fits(place.attempt) && *far_looks > 0) {
+}
+
+void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion, double most,
+                        int* far_looks, Place& place) const {
+  if (place.is_due() && !fits(place.attempt, place, most) && *far_looks > 0) {
     --*far_looks;
     place.looked_far = true;
-    Attempt far = odometer.probe(scan, prior, Reach::kFar);
+    Attempt far = odometer.probe(scan, place.attempt.prior, Reach::kFar);
     if (far.cost() < place.attempt.cost()) {
       place.attempt = std::move(far);
       place.point_matches = odometer.point_matches();
     }
   }
-  place.fits = fits(place.attempt);
+  place.fits = fits(place.attempt, place, most);
   if (place.fits) {
-    place.map_from_predicted = renormalised(place.attempt.alignment.moving.pose * predicted.pose.inverse());
+    place.map_from_predicted =
+        renormalised(place.attempt.alignment.moving.pose * excursion.state().pose.inverse());
     place.tried = true;
   } else if (!place.is_due()) {
     ++place.missed;
@@ -193,10 +200,15 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
   odometer.take_usual_from(excursion.odometer());
   int far_looks = kFarLooks;
   bool anew = patches_.empty();
+  double most = expected_ ? 1 : 0;
+  for (Place& place : places_) {
+    if (place.map) place.map->take_usual_from(odometer);
+    look_near(place.map ? *place.map : odometer, scan, excursion, place);
+    most = std::max(most, place.attempt.health.share);
+  }
   for (Place& place : places_) {
     const bool tried = place.tried;
-    if (place.map) place.map->take_usual_from(odometer);
-    try_place(place.map ? *place.map : odometer, scan, excursion, &far_looks, place);
+    try_place(place.map ? *place.map : odometer, scan, excursion, most, &far_looks, place);
     anew = anew || (place.tried && !tried);
   }
   note_explained(scan, excursion.state().pose, anew);

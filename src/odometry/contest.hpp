@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "geometry/angles.hpp"
 #include "geometry/rigid.hpp"
 #include "odometry/excursion.hpp"
 #include "odometry/odometer.hpp"
@@ -17,9 +18,9 @@ namespace scanlock {
 
 /// A sequential test of hypotheses, corrections of the predicted pose of a lost robot, on the scans that
 /// follow. A hypothesis wins when it explains three scans in a row with its share of the usual inliers (0.3
-/// of them where searches believe it, 0.9 otherwise) while every other one is refuted or clearly worse, and
-/// leaves no horizontal direction open. The test is undecided when no single hypothesis has won after a fixed
-/// number of scans.
+/// of them where searches believe it, otherwise 0.9 of them, or of those of the best hypothesis if these are
+/// less) while every other one is refuted or clearly worse, and leaves no horizontal direction open. The test
+/// is undecided when no single hypothesis has won after a fixed number of scans.
 class Contest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
@@ -79,9 +80,15 @@ class Contest {
     std::vector<Patch> patches;
     double explained() const;                              ///< points of all patches
     bool is_due() const { return !tried && !looked_far; }  ///< before that it cannot be out
+    /// How far off it may be: standard deviations.
+    double near_metres() const { return tried ? 0.1 : 0.5; }
+    double near_radians() const { return (tried ? 2.0 : 3.0) * kDegree; }
   };
-  void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion, int* far_looks,
+  bool fits(const Attempt& attempt, const Place& place, double most) const;
+  void look_near(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
                  Place& place) const;
+  void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion, double most,
+                 int* far_looks, Place& place) const;
   void note_explained(const PreparedScan& scan, const Pose& predicted, bool anew);
   bool is_worse(const Place& place, const Place& other) const;
   void drop_losers(const Pose& predicted);

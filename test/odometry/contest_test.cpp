@@ -5,7 +5,9 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "prepared_hall.hpp"
@@ -23,8 +25,9 @@ struct Ending {
   double log_odds;
 };
 
-/// Of a contest between places in a map, for a sensor at rest in the hall, which sees all of it.
-Ending contest_of(const std::vector<ArchivedKeyframe>& map, const std::vector<Pose>& places, bool standing) {
+/// Of a contest in a map, for a sensor at rest in the hall, which sees all of it.
+Ending ending_of(Contest contest, const std::vector<ArchivedKeyframe>& map,
+                 const std::optional<Pose>& standing = std::nullopt) {
   const TrackerConfig config;
   PreparedHall hall(config);
   const PreparedScan first = hall.scan(0);
@@ -32,8 +35,7 @@ Ending contest_of(const std::vector<ArchivedKeyframe>& map, const std::vector<Po
   odometer.start(0, first, {});
   odometer.reload(map, {20, 0, 0}, first.voxel);
   Excursion excursion(config, 0, first, {});
-  Contest contest(places);
-  if (standing) contest.note_standing(places.back(), excursion);
+  if (standing) contest.note_standing(*standing, excursion);
   Contest::Outcome outcome = Contest::Outcome::kOpen;
   for (unsigned i = 1; outcome == Contest::Outcome::kOpen; ++i) {
     const PreparedScan next = hall.scan(i);
@@ -41,6 +43,10 @@ Ending contest_of(const std::vector<ArchivedKeyframe>& map, const std::vector<Po
     outcome = contest.judge(odometer, next, excursion);
   }
   return {outcome, contest.map_from_predicted(), contest.why_undecided(), contest.log_odds()};
+}
+
+Ending contest_of(const std::vector<ArchivedKeyframe>& map, const std::vector<Pose>& places, bool standing) {
+  return ending_of(Contest(places), map, standing ? std::optional(places.back()) : std::nullopt);
 }
 
 /// Between a hall that was seen whole and a twin of it, 40 m away, of which the map knows one half.
@@ -58,6 +64,27 @@ TEST_CASE("that the map knows little of a place does not speak against one that 
   const Ending open = between_twins(true);
   CHECK(open.outcome == Contest::Outcome::kUndecided);
   CHECK(open.why_undecided == "the scans that followed fit several places alike");
+}
+
+TEST_CASE(
+    "a place that a search prefers does not win because no map shows all of another that explains more") {
+  Scan map;
+  map.points = hall_map();
+  const PointCloud most = covered(map, [](float x, float y, float) { return x < 3 || y < 0; }).points;
+  const Ending ending = contest_of({archived(Pose::Identity(), most), archived(kThere, half_of(map).points)},
+                                   {kThere, Pose::Identity()}, false);
+  CHECK(ending.outcome == Contest::Outcome::kUndecided);
+  CHECK(near(ending.place, Pose::Identity(), 0.1, 0.1));
+}
+
+TEST_CASE("where it is expected, without a search, a robot has to be explained as usual") {
+  Scan map;
+  map.points = hall_map();
+  const auto ending = [](const PointCloud& points) {
+    return ending_of(Contest::expected_at(Pose::Identity(), 0), {archived(Pose::Identity(), points)});
+  };
+  CHECK(ending(map.points).outcome == Contest::Outcome::kWon);
+  CHECK(ending(half_of(map).points).outcome == Contest::Outcome::kRefuted);
 }
 
 TEST_CASE("places that look alike are told apart by what only one of them explains, if that is much") {
