@@ -118,6 +118,15 @@ std::optional<LoadedMap> MapStore::load_at_start() {
     if (saved_file_ == config_.file) return std::nullopt;
     return read(config_.file);
   }
+  if (!saved_file_.empty() && saved_file_ != config_.file) {
+    const std::string instead = saved_file_ + ": is used instead of " + config_.file;
+    const bool newer = std::filesystem::last_write_time(config_.file, error) >
+                       std::filesystem::last_write_time(saved_file_, error);
+    if (newer && !error)
+      statistics_.complain(instead + ", which is newer; move it away to begin anew");
+    else
+      statistics_.say(LogLevel::kInfo, instead + ", out of which it has grown");
+  }
   try {
     LoadedMap loaded = read(saved_file_.empty() ? config_.file : saved_file_);
     if (!saved_file_.empty()) written_ = loaded.map;

@@ -4,7 +4,9 @@
 
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "../io/temporary_directory.hpp"
@@ -190,6 +192,26 @@ TEST_CASE("a map made of one cloud that takes the place of a map made of another
   bench.end();
   CHECK(file_bytes(config.daemon.map.file + ".old") == before);
   CHECK(read_map(config.daemon.map.file).keyframes.at(0).reach == 9);
+}
+
+TEST_CASE("where a map has grown beside a cloud that is newer, it is used, and that is told") {
+  const TemporaryDirectory folder;
+  SavedMap map;
+  map.keyframes.push_back(
+      {1, Pose::Identity(), 8, hall_scan(Pose::Identity(), Vector6::Zero(), 0, 5).points, {}});
+  write_map(folder / "site.map", map);
+  write_file(folder / "site.ply", Bytes{'n', 'o', 'n', 'e'});
+  Config config;
+  config.daemon.map.file = folder / "site.ply";
+  config.daemon.map.mode = "extend";
+  const auto told = [&](std::chrono::hours age) {
+    std::filesystem::last_write_time(folder / "site.ply",
+                                     std::filesystem::last_write_time(folder / "site.map") - age);
+    Bench bench(config);
+    return bench.counters().last_error;
+  };
+  CHECK(told(std::chrono::hours(1)).empty());
+  CHECK(told(std::chrono::hours(-1)).find("which is newer") != std::string::npos);
 }
 
 TEST_CASE("a map that could not be saved later is an error at the start") {
