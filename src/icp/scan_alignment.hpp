@@ -103,8 +103,8 @@ struct PointFit {
 /// Robust point-to-plane ICP (algorithm 2) with two extensions: the unknown is the pose at the stamp *and*
 /// velocity and acceleration, so that the motion within the scan is solved and not only predicted, and the
 /// prior joins them to the past. The energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2)
-/// prior_cost(e^T information e), with s_i the weight of the surface (0 where there is none, or where the ray
-/// meets a plane from the side that the target was not seen from), r_i the distance from it times its scale.
+/// prior_cost(e^T information e), with s_i the weight of the surface (0 where there is none), r_i the
+/// distance from it times its scale.
 class ScanAligner {
  public:
   ScanAligner();
