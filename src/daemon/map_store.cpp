@@ -36,7 +36,8 @@ bool same_pose(const Pose& a, const Pose& b) {
 }
 
 /// What never changes of a keyframe. The times of those of a bare cloud are mere numbers.
-std::tuple<std::int64_t, float, std::size_t> identity(const ArchivedKeyframe& keyframe) {
+using Identity = std::tuple<std::int64_t, float, std::size_t>;
+Identity identity(const ArchivedKeyframe& keyframe) {
   return {keyframe.utime, keyframe.reach, keyframe.points.size()};
 }
 
@@ -49,7 +50,7 @@ bool same_keyframes(const SavedMap& a, const SavedMap& b) {
 }
 
 bool share_a_keyframe(const SavedMap& a, const SavedMap& b) {
-  std::set<std::tuple<std::int64_t, float, std::size_t>> identities;
+  std::set<Identity> identities;
   for (const ArchivedKeyframe& keyframe : a.keyframes) identities.insert(identity(keyframe));
   return std::any_of(b.keyframes.begin(), b.keyframes.end(), [&](const ArchivedKeyframe& keyframe) {
     return identities.count(identity(keyframe)) > 0;

@@ -200,15 +200,16 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
   odometer.take_usual_from(excursion.odometer());
   int far_looks = kFarLooks;
   bool anew = patches_.empty();
+  const auto map_of = [&](Place& place) -> Odometer& { return place.map ? *place.map : odometer; };
   double most = expected_ ? 1 : 0;
   for (Place& place : places_) {
     if (place.map) place.map->take_usual_from(odometer);
-    look_near(place.map ? *place.map : odometer, scan, excursion, place);
+    look_near(map_of(place), scan, excursion, place);
     most = std::max(most, place.attempt.health.share);
   }
   for (Place& place : places_) {
     const bool tried = place.tried;
-    try_place(place.map ? *place.map : odometer, scan, excursion, most, &far_looks, place);
+    try_place(map_of(place), scan, excursion, most, &far_looks, place);
     anew = anew || (place.tried && !tried);
   }
   note_explained(scan, excursion.state().pose, anew);
