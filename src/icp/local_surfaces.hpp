@@ -16,7 +16,8 @@ namespace scanlock {
 /// 0.05 m about it (ground and the foot of a wall are) through the point, for the centroid is off what the
 /// point lies on.
 struct Surface {
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, of the plane; its sign means nothing
+  /// Unit, of the plane; to where it was seen from, where the cloud tells that.
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< metres
   float weight = 0;   ///< 0: nothing there, to 1: flat and spread in both directions, or straight and thin
   bool line = false;  ///< `normal` is the direction of a line instead

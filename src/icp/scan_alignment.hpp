@@ -66,6 +66,7 @@ struct ScanAlignmentOptions {
   double sigma =
       0.1;  ///< metres: standard deviation of a residual against the prior, its correlations counted in
   double patch = 1.0;       ///< metres: points of one cube of this edge share an error
+  bool sided = true;        ///< a ray meets a plane from the side only that the target was seen from
   int max_iterations = 12;  ///< at the last scale; earlier ones get a third
   double tolerance = 5e-4;  ///< metres, of the motion of the scan's points
   int anderson_window = 5;
@@ -103,8 +104,9 @@ struct PointFit {
 /// Robust point-to-plane ICP (algorithm 2) with two extensions: the unknown is the pose at the stamp *and*
 /// velocity and acceleration, so that the motion within the scan is solved and not only predicted, and the
 /// prior joins them to the past. The energy is n - sum_i s_i exp(-r_i^2 / (2 nu^2)) + (sigma^2 / nu^2)
-/// prior_cost(e^T information e), with s_i the weight of the surface (0 where there is none), r_i the
-/// distance from it times its scale.
+/// prior_cost(e^T information e), with s_i the weight of the surface (0 where there is none, or where the ray
+/// meets the other side of a plane, see ScanAlignmentOptions::sided), r_i the distance from it times its
+/// scale.
 class ScanAligner {
  public:
   ScanAligner();

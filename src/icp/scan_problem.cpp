@@ -20,6 +20,14 @@ struct KnotSums {
   Vector6 jr = Vector6::Zero();
 };
 
+/// Whether a ray that comes this way meets the other side of a plane than the one that was seen, by more than
+/// the error of its normal (two standard deviations): a thin wall has two.
+bool is_behind(const Surface& surface, const Eigen::Vector3f& to_eye) {
+  if (surface.line) return false;
+  const float error = std::sqrt(surface.tilt.squaredNorm() + surface.tilt_across * surface.tilt_across);
+  return surface.normal.dot(to_eye) < -2 * error * to_eye.norm();
+}
+
 }  // namespace
 
 void ScanProblem::begin(const PointCloud& cloud, const AlignmentTarget& to, const MotionPrior& from,
@@ -58,6 +66,7 @@ double ScanProblem::evaluate(const StateVector& state) {
   motion.set_motion(twist, acceleration, there.middle_s);
   const Eigen::Matrix3f rotation = there.pose.linear().cast<float>();
   const Eigen::Vector3f translation = there.pose.translation().cast<float>();
+  eye = translation;
   const std::size_t n = source->size();
   for (std::size_t i = 0; i < n; ++i) {
     const Eigen::Vector3f w = rotation * motion.at_stamp(i, source->point(i)) + translation;
@@ -74,6 +83,7 @@ double ScanProblem::measure() {
   const float squared_gate = static_cast<float>(gate() * gate());
   const PointCloud& cloud = target->cloud;
   const std::vector<std::int32_t>& indices = correspondences.indices();
+  const bool sided = options->sided && cloud.has_eyes();
   double explained = 0;
   matched = 0;
   for (std::size_t i = 0; i < source->size(); ++i) {
@@ -84,7 +94,9 @@ double ScanProblem::measure() {
     const float dx = wx[i] - cloud.x[q], dy = wy[i] - cloud.y[q], dz = wz[i] - cloud.z[q];
     const Surface& surface = target->surfaces.at(indices[i]);
     if (surface.weight <= 0 || dx * dx + dy * dy + dz * dz > squared_gate) continue;
-    const Eigen::Vector3f off = Eigen::Vector3f(wx[i], wy[i], wz[i]) - surface.centre;
+    const Eigen::Vector3f place(wx[i], wy[i], wz[i]);
+    if (sided && is_behind(surface, eye - place)) continue;
+    const Eigen::Vector3f off = place - surface.centre;
     const float along = surface.normal.dot(off);
     const float r = surface.scale * (surface.line ? (off - along * surface.normal).norm() : along);
     residuals[i] = r;

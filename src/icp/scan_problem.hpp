@@ -28,8 +28,9 @@ struct ScanProblem final : DescentProblem {
   double duration = 0.1;  // seconds: makes a velocity a displacement
   double arm = 10.0;      // metres: makes a rotation the motion of a typical point
   Vector6 x = Vector6::Zero(), twist = Vector6::Zero(), acceleration = Vector6::Zero();
-  Matrix18 held = Matrix18::Zero();  // information of the prior
-  std::vector<float> wx, wy, wz;     // source in the target frame
+  Matrix18 held = Matrix18::Zero();               // information of the prior
+  std::vector<float> wx, wy, wz;                  // source in the target frame
+  Eigen::Vector3f eye = Eigen::Vector3f::Zero();  // the sensor at the stamp, target frame
   // Per source point, NaN and 0 without a surface; see ScanAligner.
   std::vector<float> distances, residuals, weights;
   std::vector<double> kernel;  // Welsch's weight of the residual, where there is a surface

@@ -169,7 +169,7 @@ void Contest::look_near(Odometer& odometer, const PreparedScan& scan, const Excu
   MotionPrior prior;
   prior.mean = {renormalised(place.map_from_predicted * predicted.pose), predicted.twist};
   prior.information = prior_information(place.near_metres(), place.near_radians(), excursion.covariance());
-  place.attempt = odometer.align(scan, prior, Reach::kNear);
+  place.attempt = odometer.align(scan, prior, Reach::kNear, Sides::kBoth);
   place.point_matches = odometer.point_matches();
 }
 
@@ -178,7 +178,7 @@ void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excu
   if (place.is_due() && !fits(place.attempt, place, most) && *far_looks > 0) {
     --*far_looks;
     place.looked_far = true;
-    Attempt far = odometer.probe(scan, place.attempt.prior, Reach::kFar);
+    Attempt far = odometer.probe(scan, place.attempt.prior, Reach::kFar, Sides::kBoth);
     if (far.cost() < place.attempt.cost()) {
       place.attempt = std::move(far);
       place.point_matches = odometer.point_matches();

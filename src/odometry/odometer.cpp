@@ -187,12 +187,14 @@ ScanAlignmentOptions Odometer::options(const PreparedScan& scan, const MotionPri
   return result;
 }
 
-Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reach reach) {
+Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reach reach, Sides sides) {
   Attempt attempt;
   attempt.prior = prior;
   MotionPrior local = prior;  // coordinates of the map are relative to its origin
   local.mean.pose.translation() -= map_.origin();
-  attempt.alignment = aligner_.align(scan.source, map_.target(), local, options(scan, prior, reach));
+  ScanAlignmentOptions how = options(scan, prior, reach);
+  how.sided = sides == Sides::kSeen;
+  attempt.alignment = aligner_.align(scan.source, map_.target(), local, how);
   attempt.alignment.moving.pose.translation() += map_.origin();
   attempt.variance = variance();
   attempt.health = health_.assess(aligner_.residuals(), aligner_.distances(), aligner_.weights(),
@@ -218,15 +220,15 @@ double Odometer::patch(const PreparedScan& scan) {
   return kPatch * scan.median_range;
 }
 
-Attempt Odometer::look_far(const PreparedScan& scan, const MotionPrior& prior) {
-  Attempt best = align(scan, prior, Reach::kFar);
+Attempt Odometer::look_far(const PreparedScan& scan, const MotionPrior& prior, Sides sides) {
+  Attempt best = align(scan, prior, Reach::kFar, sides);
   const bool turned_unseen = prior.ahead_s > kMoment && !usual_share(best.health);
   if (!turned_unseen && (!map_.planar() || best.health.score <= kFitScore)) return best;
   for (const double turn : kTurns) {
     MotionPrior turned = prior;
     turned.mean.pose.linear() = prior.mean.pose.linear() * rotation_about_z(turn);
     if (prior.ahead_s > 0) turned.mean.twist = twist_to(turned.mean.pose, prior.ahead_s);
-    best = better(std::move(best), align(scan, turned, Reach::kFar));
+    best = better(std::move(best), align(scan, turned, Reach::kFar, sides));
   }
   best.prior = prior;
   return best;
@@ -236,14 +238,14 @@ Vector6 Odometer::twist_to(const Pose& pose, double seconds) const {
   return se3_log(filter_.state().pose.inverse() * pose) / seconds;
 }
 
-Attempt Odometer::probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach) {
+Attempt Odometer::probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach, Sides sides) {
   const PreparedScan few = part_of(scan, kLookPoints);
-  Attempt part = reach == Reach::kFar ? look_far(few, prior) : align(few, prior, reach);
+  Attempt part = reach == Reach::kFar ? look_far(few, prior, sides) : align(few, prior, reach, sides);
   if (!explains(part, kJumpScore)) return part;
-  if (reach == Reach::kNear) return align(scan, prior, reach);
+  if (reach == Reach::kNear) return align(scan, prior, reach, sides);
   MotionPrior arrived = prior;  // the part went the far way already
   arrived.mean = part.alignment.moving;
-  Attempt whole = align(scan, arrived, Reach::kNear);
+  Attempt whole = align(scan, arrived, Reach::kNear, sides);
   whole.prior = prior;
   return whole;
 }

@@ -43,6 +43,10 @@ inline constexpr std::size_t kLookPoints = 400, kDeskewPoints = 800;
 /// start that may be farther off.
 enum class Reach : std::int8_t { kNear, kFar };
 
+/// The planes that a ray meets: those that were seen from its side, or all. Where it is asked whether a scan
+/// fits a place, all: what is out of sight from there is no unknown ground, and speaks against the place.
+enum class Sides : std::int8_t { kSeen, kBoth };
+
 /// One alignment of a scan with the map: pose, prior and quality.
 struct Attempt {
   ScanAlignment alignment;
@@ -92,13 +96,13 @@ class Odometer {
 
   MotionPrior predict(double dt) const { return as_lately(filter_.predict(dt)); }
   MotionPrior predict(double dt, const Pose& motion) const { return as_lately(filter_.predict(dt, motion)); }
-  Attempt align(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
+  Attempt align(const PreparedScan& scan, const MotionPrior& prior, Reach reach, Sides sides = Sides::kSeen);
   /// Aligns with the far reach; a planar scan, and any scan after a gap, also from other headings, unless the
   /// first alignment explains it as well as usual.
-  Attempt look_far(const PreparedScan& scan, const MotionPrior& prior);
+  Attempt look_far(const PreparedScan& scan, const MotionPrior& prior, Sides sides = Sides::kSeen);
   /// Aligns where success is unlikely: with part of the points first, and where these are far from explained,
   /// that is the result. (An alignment that fails takes longest.)
-  Attempt probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach);
+  Attempt probe(const PreparedScan& scan, const MotionPrior& prior, Reach reach, Sides sides = Sides::kSeen);
   /// Of each source point of the last alignment, as long as the map is the one that it was aligned to.
   std::vector<PointMatch> point_matches();
   /// Edge, metres, of the cubes of a scene in which points share the errors of their surfaces.

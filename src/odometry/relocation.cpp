@@ -119,7 +119,7 @@ void Relocation::feel(std::int64_t utime, const PreparedScan& scan, Odometer& od
   prior.mean = predicted;
   if (standing) prior.mean.pose = last_seen_->map_from_body;
   prior.information = prior_information(gate_m_, gate_rad_, excursion_->covariance());
-  *attempt = odometer.probe(scan, prior, gate_m_ < kFarGate ? Reach::kNear : Reach::kFar);
+  *attempt = odometer.probe(scan, prior, gate_m_ < kFarGate ? Reach::kNear : Reach::kFar, Sides::kBoth);
   const Pose& found = attempt->alignment.moving.pose;
   const bool there = standing ? near(found, last_seen_->map_from_body, 0.5, 5.0 * kDegree)
                               : near(found, predicted.pose, gate_m_, gate_rad_);

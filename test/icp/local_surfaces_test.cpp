@@ -180,6 +180,21 @@ TEST_CASE("a plane seen edge-on hardly counts") {
   CHECK(weight_from(0) == 0.0f);
 }
 
+TEST_CASE("the normal of a plane points to where it was seen from") {
+  PointCloud wall;
+  for (int i = 0; i < 100; ++i)
+    wall.push_back(5, 0.1f * static_cast<float>(i % 10), 0.1f * static_cast<float>(i / 10));
+  KdForest tree;
+  tree.rebuild(wall);
+  for (const float side : {-1.0f, 1.0f}) {
+    wall.eyes.assign(wall.size(), {5 + 3 * side, 0.5f, 0.5f});
+    LocalSurfaces surfaces;
+    surfaces.reset(wall, tree, 1);
+    surfaces.prepare({55}, 1);
+    CHECK(surfaces.at(55).normal.x() == doctest::Approx(side).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("what a planar sensor sees of a wall is an upright plane, and a heap is none") {
   PointCloud cloud;
   std::vector<Neighbour> wall, heap;

@@ -53,6 +53,41 @@ TEST_CASE("the small rotations between two scans are recovered to one percent") 
   }
 }
 
+TEST_CASE("a thin wall that was seen from its other side alone does not pull a scan onto that side") {
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise(0, 0.01f);
+  std::uniform_real_distribution<float> across(-3, 3), up(-1, 1);
+  const auto add_wall = [&](PointCloud& cloud, float x, int points) {
+    for (int i = 0; i < points; ++i) cloud.push_back(x + noise(random), across(random), up(random));
+  };
+  const auto room = [&](int density) {  // its floor, two walls along x, and one across far ahead
+    PointCloud cloud;
+    for (int i = 0; i < density; ++i) {
+      cloud.push_back(across(random), across(random), -1 + noise(random));
+      cloud.push_back(across(random), -3 + noise(random), up(random));
+      cloud.push_back(across(random), 3 + noise(random), up(random));
+    }
+    add_wall(cloud, 5, density / 5);
+    return cloud;
+  };
+  PointCloud map = room(4000), scan = room(400);
+  add_wall(scan, -3, 400);
+  map.eyes.assign(map.size(), Eigen::Vector3f::Zero());
+  const auto x_with_wall_seen_from = [&](float eye) {
+    PointCloud all = map;
+    add_wall(all, -3.12f, 4000);
+    all.eyes.resize(all.size(), {eye, 0, 0});
+    KdForest tree;
+    tree.rebuild(all);
+    LocalSurfaces surfaces;
+    surfaces.reset(all, tree, 0.4f);
+    const AlignmentTarget target{all, tree, surfaces};
+    return ScanAligner().align(scan, target, weak_prior(), {}).moving.pose.translation().x();
+  };
+  CHECK(std::abs(x_with_wall_seen_from(-6)) < 0.01);
+  CHECK(x_with_wall_seen_from(0) < -0.08);  // one that has moved
+}
+
 TEST_CASE("the variance of a scan's acceleration is that of the best parabola through a way of white noise") {
   constexpr int kTimes = 400, kImpulses = 400;
   const double seconds = 0.2;
