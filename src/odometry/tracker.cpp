@@ -56,6 +56,7 @@ struct Tracker::State {
   Pose map_from_own = Pose::Identity();
   Pose local_from_own = Pose::Identity();
   bool jumped = false;  // the pose in the own frame, since the last keyframe was archived
+  std::int64_t reloaded_at = 0;  // the local map became archived keyframes; microseconds
 
   AlignmentCheck check;
   // At the last trusted scan its position was not known along some axis, as in a tunnel: once it is lost
@@ -321,6 +322,7 @@ struct Tracker::State {
   /// The local map becomes what is archived around there.
   void reload(const Eigen::Vector3d& centre) {
     read_map([&] { odometer->reload(archive.keyframes(), centre, scale.current(0), archive.fixed()); });
+    reloaded_at = time.now();
   }
 
   // ---- reporting
@@ -529,7 +531,7 @@ std::int64_t Tracker::local_map_utime() const {
   std::int64_t earliest = state_->time.now();
   for (const Keyframe& k : keyframes)
     if (!k.given) earliest = std::min(earliest, k.utime);
-  return earliest;
+  return std::max(earliest, state_->reloaded_at);
 }
 double Tracker::voxel() const {
   return state_->scale.current(0);

@@ -86,7 +86,8 @@ class Tracker {
   void set_map_from_own(const Pose& map_from_own);
   /// Whether the last scan was aligned with the map of the active submap.
   bool on_known_ground() const;
-  /// Archived keyframes of this utime or later may be part of the local map.
+  /// Archived keyframes of this utime or later are of this visit, and may be part of the local map: those of
+  /// earlier ones are there only where they are fixed, or it was reloaded with them.
   std::int64_t local_map_utime() const;
   double voxel() const;  ///< metres, of the map
   /// Corrected poses of keyframes and of the map frame. `drift`: covariance of the map around the robot

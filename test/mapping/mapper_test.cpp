@@ -226,6 +226,28 @@ TEST_CASE("a map that is fixed stays as it is, gets no larger by revisits, and t
     CHECK(near(after.keyframes[k].map_from_body, saved.keyframes[k].map_from_body, 1e-6, 1e-6));
 }
 
+TEST_CASE("a map that is saved and loaded each day grows by new ground alone") {
+  SavedMap map;
+  std::size_t first = 0;
+  for (int day = 0; day < 3; ++day) {
+    Mapper mapper(TrackerConfig{});
+    mapper.load(map);
+    TrackedScan tracked;
+    for (int i = 0; i < 90; ++i) {  // round the hall
+      tracked = mapper.track(seen(i));
+      if (auto request = mapper.take_request()) mapper.give(MapWorker(TrackerConfig{}).work(*request));
+    }
+    CHECK(tracked.localised);
+    CHECK(tracked.state == TrackingState::kTracking);
+    map = mapper.save();
+    if (day == 0) first = map.keyframes.size();
+    CAPTURE(day);
+    // Of the last reach of each day's way it is not known yet which ones are redundant.
+    CHECK(map.keyframes.size() <= first + static_cast<std::size_t>(6 * day));
+  }
+  CHECK(first > 12);
+}
+
 TEST_CASE("where a robot is looked for first in a map that was loaded is described before its first scan") {
   Mapper first(TrackerConfig{});
   for (int i = 0; i < 90; ++i) first.track(seen(i));  // round the hall
