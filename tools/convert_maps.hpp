@@ -36,7 +36,7 @@ inline void cloud_to_map(const ConvertOptions& options) {
       points += part.size();
       builder.add(std::move(part));
     };
-    read_cloud(options.input, take, bar.updater());
+    read_cloud(options.input, take, bar.updater(), Eigen::Vector3d(options.offset.data()));
   }
   SavedMap map;
   {

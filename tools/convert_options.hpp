@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command_line.hpp"
 #include "daemon/config.hpp"
@@ -23,6 +24,7 @@ constexpr std::array kScanMessages = {"pointcloud2", "pointcloud", "drake", "sec
 
 struct ConvertOptions {
   std::string input, output, merged, channel, type = "pointcloud2", format = "bin", up = "z";
+  std::vector<double> offset = {0, 0, 0};  // metres
   std::optional<std::size_t> scan;
   ScanDirectory::Clock clock;
   bool info = false, json = false, force = false;
@@ -39,7 +41,7 @@ constexpr const char* kFooter = R"(What is done depends on IN and OUT:
   LOG --info                channels, types, counts, rates, gaps; damage is passed over, counted and reported
   SITE.ply|SITE.pcd SITE.map
                             a cloud of any program into a map for scanlockd --map, for a sensor at the body's origin, in
-                            the cloud's frame; with --up, turned so that z is up. (--map takes the cloud, too; the
+                            the cloud's frame; with --offset, moved, and then with --up turned so that z is up. (--map takes the cloud, too; the
                             .map loads faster.)
   SITE.map SITE.ply|SITE.pcd
                             what the keyframes of a map have seen, as one cloud in its frame, thinned to 5 cm; submaps that
@@ -60,6 +62,7 @@ inline void declare_convert_options(CommandLine line, ConvertOptions& options) {
       kFooter,
       {"scanlock-convert drive.lcmlog --info", "scanlock-convert drive.lcmlog scans --channel LIDAR",
        "scanlock-convert drive.lcmlog scans --format pcd", "scanlock-convert drive.lcmlog first.pcd --scan 0",
+       "scanlock-convert site.ply site.map --offset 500000,5412000,0",
        "scanlock-convert poses.lcmlog poses.tum --channel POSE_BODY_CORRECTED"});
   line.option("IN", options.input, "a directory of scans, an LCM log or a trajectory").required();
   line.option("OUT", options.output, "an LCM log, a new directory, a cloud or a trajectory");
@@ -73,6 +76,11 @@ inline void declare_convert_options(CommandLine line, ConvertOptions& options) {
   line.option("--scan", options.scan, "the number of the scan for a cloud OUT, from 0 on").from_zero();
   line.option("--up", options.up, "the axis of a cloud SITE.ply or SITE.pcd that points upwards (default: z)")
       .one_of({kAxes.begin(), kAxes.end()});
+  line.option("--offset", options.offset,
+              "metres, X,Y,Z: subtracted from the coordinates of a cloud SITE.ply or SITE.pcd, which are far "
+              "from "
+              "zero in UTM; poses are relative to it (default: 0,0,0)")
+      .comma_separated(3);
   line.option("--period", options.clock.period_s,
               "seconds from scan to scan without times.txt (default: 0.1)")
       .above_zero();

@@ -25,6 +25,7 @@ bool has_extension(const std::string& path, std::initializer_list<const char*> e
 }
 
 void check_usage(const ConvertOptions& options) {
+  if (!Eigen::Vector3d(options.offset.data()).allFinite()) throw UsageError("--offset must be finite");
   if (options.info && !options.output.empty()) throw UsageError("--info takes no OUT");
   if (!options.info && options.output.empty()) throw UsageError("OUT is missing (or --info)");
   if (options.merged.empty()) return;
@@ -67,6 +68,8 @@ void convert(const ConvertOptions& options) {
   if (options.scan && !to_cloud)
     throw UsageError("--scan goes with a log and a cloud OUT (.pcd, .ply or .bin)");
   if (options.up != "z" && !to_map) throw UsageError("--up goes with a cloud IN and a map OUT");
+  if (options.offset != ConvertOptions().offset && !to_map)
+    throw UsageError("--offset goes with a cloud IN and a map OUT");
   check_outputs({{input}, {to_directory ? "" : output}, to_directory ? output : ""}, options.force);
   check_kind(options, directory, to_directory);
   if (to_map) return cloud_to_map(options);

@@ -93,8 +93,13 @@ CloudArray array_for(std::string_view column, ScalarType type) {
   return nullptr;
 }
 
-CloudTable::CloudTable(std::vector<CloudArray> columns, std::size_t points, const TakePoints& take)
-    : columns_(std::move(columns)), take_(take), left_(points) {
+CloudTable::CloudTable(std::vector<CloudArray> columns, std::size_t points, const PointSink& sink)
+    : columns_(std::move(columns)), sink_(sink), left_(points) {
+  for (const CloudArray array : columns_)
+    offsets_.push_back(array == &PointCloud::x   ? sink.offset.x()
+                       : array == &PointCloud::y ? sink.offset.y()
+                       : array == &PointCloud::z ? sink.offset.z()
+                                                 : 0.0);
   begin_part();
 }
 
@@ -119,7 +124,7 @@ void CloudTable::hand_on() {
     cloud_.nz.clear();
   }
   left_ -= point_;
-  take_(std::move(cloud_));
+  sink_.take(std::move(cloud_));
   begin_part();
 }
 

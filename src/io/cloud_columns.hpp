@@ -40,15 +40,23 @@ float to_float(double value);
 using CloudArray = std::vector<float> PointCloud::*;
 CloudArray array_for(std::string_view column, ScalarType type);
 
+/// Where the points of a file go.
+struct PointSink {
+  TakePoints take;
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< subtracted before coordinates become floats
+};
+
 /// Gathers the values of the columns that we use, point by point, and hands them on in clouds of many points.
 class CloudTable {
  public:
   /// One entry for each column, null for those to be left out. `points`: as many as there will be, which the
   /// caller has checked; memory is taken for a part of them. With a column named twice the last wins.
-  CloudTable(std::vector<CloudArray> columns, std::size_t points, const TakePoints& take);
+  CloudTable(std::vector<CloudArray> columns, std::size_t points, const PointSink& sink);
 
   bool uses(std::size_t column) const { return columns_[column] != nullptr; }
-  void set(std::size_t column, double value) { targets_[column][point_] = to_float(value); }
+  void set(std::size_t column, double value) {
+    targets_[column][point_] = to_float(value - offsets_[column]);
+  }
   /// All columns of a point were set.
   void end_point() {
     if (++point_ == part_) hand_on();
@@ -60,7 +68,8 @@ class CloudTable {
   void begin_part();
 
   std::vector<CloudArray> columns_;
-  const TakePoints& take_;
+  std::vector<double> offsets_;  ///< of each column
+  const PointSink& sink_;
   PointCloud cloud_;
   std::vector<float*> targets_;
   std::size_t left_;                  ///< points to come, with those of this part

@@ -17,7 +17,7 @@ namespace {
 
 struct Format {
   const char* extension;
-  void (*parse)(const std::string& path, ByteSource& source, const TakePoints& take);
+  void (*parse)(const std::string& path, ByteSource& source, const PointSink& sink);
   std::string (*format)(const PointCloud& cloud);
 };
 constexpr std::array<Format, 5> kFormats = {{
@@ -59,13 +59,15 @@ PointCloud read_cloud(const std::string& path) {
 }
 
 void read_cloud(const std::string& path, const TakePoints& take,
-                const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+                const std::function<void(std::uint64_t, std::uint64_t)>& progress,
+                const Eigen::Vector3d& offset) {
   const Format& format = format_of(path);
   ByteSource source(path);
-  format.parse(path, source, [&](PointCloud&& part) {
+  const auto take_and_tell = [&](PointCloud&& part) {
     take(std::move(part));
     if (progress) progress(source.offset(), source.offset() + source.left());
-  });
+  };
+  format.parse(path, source, {take_and_tell, offset});
 }
 
 void write_cloud(const std::string& path, const PointCloud& cloud) {

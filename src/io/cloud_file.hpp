@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -18,8 +19,8 @@ namespace scanlock {
 ///   .xyz, .txt   a point a line: x y z [intensity]; `#` starts a comment
 /// In .ply and .pcd columns may stand in any order and have any scalar type; taken are x, y, z, nx, ny, nz
 /// (normal_x, normal_y, normal_z), intensity (scalar_intensity), and `time` when it is a float32: seconds
-/// relative to the stamp of the scan. Coordinates become floats: subtract a far origin (UTM) before, not
-/// after.
+/// relative to the stamp of the scan. Coordinates become floats: a far origin (UTM) is to be subtracted
+/// before, see `offset` below.
 ///
 /// Every point is kept, NaN and infinite ones too, in the order of the file: the caller decides what they
 /// mean. Throws std::runtime_error "FILE:LINE: what" (text) or "FILE: byte N: what" (binary) for a file that
@@ -33,9 +34,11 @@ inline constexpr std::size_t kPartPoints = 1u << 18;
 
 /// The same for a file that need not fit into memory: its points are handed on in the order of the file, and
 /// no more than a part of them is held, but for .pcd with binary_compressed, which is held as a whole. What
-/// was handed on before an error is of the file, too. `progress`: bytes read, and bytes in all.
+/// was handed on before an error is of the file, too. `progress`: bytes read, and bytes in all. `offset`:
+/// metres, subtracted from the coordinates before they become floats.
 void read_cloud(const std::string& path, const TakePoints& take,
-                const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
+                const std::function<void(std::uint64_t, std::uint64_t)>& progress = {},
+                const Eigen::Vector3d& offset = Eigen::Vector3d::Zero());
 
 /// Writes all that the cloud has and the format can hold; .ply and .pcd are written binary, with `time` as
 /// above. A .bin without intensities gets zeros. Throws std::runtime_error naming the path when the write

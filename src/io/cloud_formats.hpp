@@ -6,16 +6,16 @@
 
 #include "geometry/point_cloud.hpp"
 #include "io/byte_source.hpp"
-#include "io/cloud_file.hpp"
+#include "io/cloud_columns.hpp"
 
 // The formats behind cloud_file.hpp, one file each; `path` is for the errors only. Points are handed on in
 // parts.
 namespace scanlock {
 
-void parse_kitti_bin(const std::string& path, ByteSource& source, const TakePoints& take);
-void parse_ply(const std::string& path, ByteSource& source, const TakePoints& take);
-void parse_pcd(const std::string& path, ByteSource& source, const TakePoints& take);
-void parse_xyz(const std::string& path, ByteSource& source, const TakePoints& take);
+void parse_kitti_bin(const std::string& path, ByteSource& source, const PointSink& sink);
+void parse_ply(const std::string& path, ByteSource& source, const PointSink& sink);
+void parse_pcd(const std::string& path, ByteSource& source, const PointSink& sink);
+void parse_xyz(const std::string& path, ByteSource& source, const PointSink& sink);
 
 std::string format_kitti_bin(const PointCloud& cloud);
 std::string format_ply(const PointCloud& cloud);

@@ -7,14 +7,14 @@
 
 namespace scanlock {
 
-void parse_kitti_bin(const std::string& path, ByteSource& source, const TakePoints& take) {
+void parse_kitti_bin(const std::string& path, ByteSource& source, const PointSink& sink) {
   constexpr std::size_t kPointSize = 16;
   const std::size_t bytes = source.left(), points = bytes / kPointSize;
   if (points * kPointSize != bytes)
     fail_at_byte(path, points * kPointSize,
                  "the file ends within a point (" + std::to_string(bytes) +
                      " bytes are no multiple of 16): cut short, or not a KITTI scan");
-  CloudTable table({&PointCloud::x, &PointCloud::y, &PointCloud::z, &PointCloud::intensity}, points, take);
+  CloudTable table({&PointCloud::x, &PointCloud::y, &PointCloud::z, &PointCloud::intensity}, points, sink);
   for (std::size_t i = 0; i < points; ++i) {
     const auto* const point = reinterpret_cast<const std::uint8_t*>(source.peek(kPointSize).data());
     for (std::size_t c = 0; c < 4; ++c) table.set(c, read_scalar(point + 4 * c, ScalarType::kFloat32, false));

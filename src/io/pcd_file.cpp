@@ -19,12 +19,12 @@ std::vector<CloudArray> arrays_of(const PcdHeader& header) {
 }
 
 void read_ascii(TextLines& lines, const PcdHeader& header, const std::vector<CloudArray>& arrays,
-                const TakePoints& take) {
+                const PointSink& sink) {
   // A point takes at least a character for each word and one behind it.
   if (header.points > (lines.bytes_left() + 1) / (2 * header.point_words))
     lines.fail("the header promises " + std::to_string(header.points) + " points, more than the " +
                std::to_string(lines.bytes_left()) + " bytes that follow can hold: the file is cut short");
-  CloudTable table(arrays, header.points, take);
+  CloudTable table(arrays, header.points, sink);
   std::vector<double> numbers;
   for (std::size_t i = 0; i < header.points; ++i) {
     const auto line = lines.next_with_content();
@@ -44,8 +44,8 @@ void read_ascii(TextLines& lines, const PcdHeader& header, const std::vector<Clo
 
 /// Point by point.
 void read_binary(ByteSource& source, const PcdHeader& header, const std::vector<CloudArray>& arrays,
-                 const TakePoints& take) {
-  CloudTable table(arrays, header.points, take);
+                 const PointSink& sink) {
+  CloudTable table(arrays, header.points, sink);
   for (std::size_t i = 0; i < header.points; ++i) {
     const auto* const point = reinterpret_cast<const std::uint8_t*>(source.peek(header.point_size).data());
     for (std::size_t f = 0; f < header.fields.size(); ++f) {
@@ -60,8 +60,8 @@ void read_binary(ByteSource& source, const PcdHeader& header, const std::vector<
 
 /// Field by field, as compressed data lies.
 void read_fields(const std::vector<std::uint8_t>& bytes, const PcdHeader& header,
-                 const std::vector<CloudArray>& arrays, const TakePoints& take) {
-  CloudTable table(arrays, header.points, take);
+                 const std::vector<CloudArray>& arrays, const PointSink& sink) {
+  CloudTable table(arrays, header.points, sink);
   for (std::size_t i = 0; i < header.points; ++i) {
     for (std::size_t f = 0; f < header.fields.size(); ++f) {
       const PcdField& field = header.fields[f];
@@ -96,22 +96,22 @@ std::vector<std::uint8_t> decompress(const std::string& path, ByteSource& source
 
 }  // namespace
 
-void parse_pcd(const std::string& path, ByteSource& source, const TakePoints& take) {
+void parse_pcd(const std::string& path, ByteSource& source, const PointSink& sink) {
   TextLines lines(path, source);
   const PcdHeader header = read_pcd_header(lines);
   const auto arrays = arrays_of(header);
   const std::string missing = missing_coordinate(arrays);
   if (!missing.empty()) lines.fail("the file has no field '" + missing + "' of a known TYPE and SIZE");
-  if (header.data == PcdHeader::Data::kAscii) return read_ascii(lines, header, arrays, take);
+  if (header.data == PcdHeader::Data::kAscii) return read_ascii(lines, header, arrays, sink);
   if (header.points == 0) return;
   if (header.data == PcdHeader::Data::kCompressed)
-    return read_fields(decompress(path, source, header), header, arrays, take);
+    return read_fields(decompress(path, source, header), header, arrays, sink);
   if (source.left() / header.point_size < header.points)
     fail_at_byte(path, source.offset(),
                  "the header promises " + std::to_string(header.points) + " points of " +
                      std::to_string(header.point_size) + " bytes, only " + std::to_string(source.left()) +
                      " bytes follow: the file is cut short");
-  read_binary(source, header, arrays, take);
+  read_binary(source, header, arrays, sink);
 }
 
 std::string format_pcd(const PointCloud& cloud) {

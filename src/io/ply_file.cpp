@@ -110,7 +110,7 @@ struct BinaryRows {
 
 }  // namespace
 
-void parse_ply(const std::string& path, ByteSource& source, const TakePoints& take) {
+void parse_ply(const std::string& path, ByteSource& source, const PointSink& sink) {
   TextLines lines(path, source);
   const PlyHeader header = read_ply_header(lines);
   const bool ascii = header.format == PlyHeader::Format::kAscii;
@@ -127,7 +127,7 @@ void parse_ply(const std::string& path, ByteSource& source, const TakePoints& ta
       const auto arrays = arrays_of(element);
       const std::string missing = missing_coordinate(arrays);
       if (!missing.empty()) lines.fail("the element vertex has no property '" + missing + "'");
-      table.emplace(arrays, element.count, take);
+      table.emplace(arrays, element.count, sink);
     }
     if (ascii)
       read_ascii_rows(lines, element, table ? &*table : nullptr);

@@ -10,7 +10,7 @@
 
 namespace scanlock {
 
-void parse_xyz(const std::string& path, ByteSource& source, const TakePoints& take) {
+void parse_xyz(const std::string& path, ByteSource& source, const PointSink& sink) {
   TextLines lines(path, source);
   PointCloud cloud;
   std::vector<double> numbers;
@@ -23,11 +23,12 @@ void parse_xyz(const std::string& path, ByteSource& source, const TakePoints& ta
     if (numbers.size() != columns)
       lines.fail(std::to_string(numbers.size()) + " numbers where the lines before have " +
                  std::to_string(columns));
-    cloud.push_back(to_float(numbers[0]), to_float(numbers[1]), to_float(numbers[2]));
+    cloud.push_back(to_float(numbers[0] - sink.offset.x()), to_float(numbers[1] - sink.offset.y()),
+                    to_float(numbers[2] - sink.offset.z()));
     if (columns == 4) cloud.intensity.push_back(to_float(numbers[3]));
-    if (cloud.size() == kPartPoints) take(std::exchange(cloud, PointCloud()));
+    if (cloud.size() == kPartPoints) sink.take(std::exchange(cloud, PointCloud()));
   }
-  if (!cloud.empty()) take(std::move(cloud));
+  if (!cloud.empty()) sink.take(std::move(cloud));
 }
 
 std::string format_xyz(const PointCloud& cloud) {

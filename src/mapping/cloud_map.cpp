@@ -38,6 +38,14 @@ std::string square_metres(float area) {
   return std::to_string(std::lround(area)) + " m2";
 }
 
+std::string thousands(const Eigen::Vector3f& point) {
+  std::string text;
+  for (const float coordinate : point)
+    text += (text.empty() ? "" : ",") +
+            std::to_string(1000 * std::llround(1e-3 * static_cast<double>(coordinate)));
+  return text;
+}
+
 float area_of(std::size_t cells, float size) {
   return static_cast<float>(cells) * size * size;
 }
@@ -172,6 +180,8 @@ CloudMapBuilder::CloudMapBuilder(const CloudMapOptions& options)
 
 void CloudMapBuilder::add(PointCloud part) {
   points_ += part.size();
+  for (std::size_t i = 0; i < part.size() && !one_; ++i)
+    if (part.point(i).allFinite()) one_ = part.point(i);
   part.nx.clear();  // which would be turned, too
   solid_.add(moved(std::move(part), Pose(level_) * options_.map_from_cloud));
 }
@@ -183,7 +193,9 @@ SavedMap CloudMapBuilder::build(const std::string& name,
     throw std::runtime_error(name + ": none of its " + std::to_string(points_) + " points is finite");
   if (solid_.size() == 0)
     throw std::runtime_error(name + ": none of its " + std::to_string(points_) +
-                             " points is within 100 km of its origin; subtract an offset from them");
+                             " points is within 100 km of its origin; subtract an offset from them: "
+                             "scanlock-convert " +
+                             name + " SITE.map --offset " + thousands(*one_));
   if (solid_.not_finite() + solid_.too_far() > 0)
     warnings_.push_back("of its " + std::to_string(points_) + " points are left out: " +
                         std::to_string(solid_.not_finite()) + " that are not finite, " +

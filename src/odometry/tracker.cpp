@@ -55,7 +55,7 @@ struct Tracker::State {
   // on the origin and heading of the map's frame. Inputs and outputs are transformed.
   Pose map_from_own = Pose::Identity();
   Pose local_from_own = Pose::Identity();
-  bool jumped = false;  // the pose in the own frame, since the last keyframe was archived
+  bool jumped = false;           // the pose in the own frame, since the last keyframe was archived
   std::int64_t reloaded_at = 0;  // the local map became archived keyframes; microseconds
 
   AlignmentCheck check;

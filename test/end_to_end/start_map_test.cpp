@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iomanip>
 #include <tuple>
 
 #include "../contains.hpp"
@@ -146,6 +148,35 @@ TEST_CASE("a cloud whose y axis points upwards becomes, with --up, the map of th
   const Result cloud = run(folder, {"scanlock-convert", folder / "y.map", folder / "again.ply", "--up", "y"});
   CHECK(cloud.code == 2);
   CHECK(contains(cloud.errors, "--up goes with a cloud IN and a map OUT"));
+}
+
+TEST_CASE("a cloud in UTM becomes, with --offset, the map of the same cloud near zero") {
+  const TemporaryFolder folder;
+  PointCloud near = room();
+  for (auto* axis : {&near.x, &near.y, &near.z})
+    for (float& v : *axis) v += 0.0137F;  // off the faces of voxels, so that no rounding decides
+  write_cloud(folder / "near.ply", near);
+  std::ofstream far(folder / "far.pcd");
+  far << "VERSION .7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " << near.size()
+      << "\nHEIGHT 1\nPOINTS " << near.size() << "\nDATA ascii\n"
+      << std::fixed << std::setprecision(9);
+  for (std::size_t i = 0; i < near.size(); ++i)
+    far << near.x[i] - 500123.25 << ' ' << near.y[i] + 5412345.5 << ' ' << near.z[i] + 312 << '\n';
+  far.close();
+  REQUIRE(run(folder, {"scanlock-convert", folder / "near.ply", folder / "near.map"}).code == 0);
+  CHECK(contains(run(folder, {"scanlock-convert", folder / "far.pcd", folder / "far.map"}).errors,
+                 "--offset -500000,5412000,0"));
+  REQUIRE(run(folder, {"scanlock-convert", folder / "far.pcd", folder / "far.map", "--offset",
+                       "-500123.25,5412345.5,312"})
+              .code == 0);
+  const SavedMap of_near = read_map(folder / "near.map"), of_far = read_map(folder / "far.map");
+  REQUIRE(of_near.keyframes.size() == of_far.keyframes.size());
+  for (std::size_t i = 0; i < of_near.keyframes.size(); ++i)
+    CHECK(of_near.keyframes[i].map_from_body.isApprox(of_far.keyframes[i].map_from_body, 1e-5));
+  const Result cloud =
+      run(folder, {"scanlock-convert", folder / "far.map", folder / "again.ply", "--offset", "1,2,3"});
+  CHECK(cloud.code == 2);
+  CHECK(contains(cloud.errors, "--offset goes with a cloud IN and a map OUT"));
 }
 
 TEST_CASE("a cloud and a map say what they become where OUT names something else") {

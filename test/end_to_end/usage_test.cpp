@@ -65,6 +65,7 @@ TEST_CASE("wrong usage is exit 2 and one line that names the program and what wa
       {{"scanlock-align", "a.ply", "b.ply", "--voxel", "nan"}, "--voxel: nan is no number of 0 or more"},
       {{"scanlock-align", "a.ply", "b.ply", "--epsilon", "0"}, "--epsilon: 0 is no number above 0"},
       {{"scanlock-align", "a.ply", "b.ply", "--up", "nan,0,1"}, "--up must be finite"},
+      {{"scanlock-convert", "a.ply", "a.map", "--offset", "nan,0,1"}, "--offset must be finite"},
       {{"scanlock-align", "a.ply", "b.ply", "c.ply"}, "more than two clouds go with --chain"},
       {{"scanlock-align", "--correspondences", "m.txt"}, "--epsilon is required"},
       {{"scanlock-align", "--correspondences", "m.txt", "--epsilon", "1", "--no-prunning"},

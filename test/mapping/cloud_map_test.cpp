@@ -276,8 +276,9 @@ TEST_CASE("up may be any axis, and where nobody could stand the error says so") 
   CHECK_THROWS_WITH_AS(map_of_cloud(millimetres, "mm.ply", {}),
                        doctest::Contains("is its unit another than metres"), std::runtime_error);
   PointCloud far;
-  far.push_back(3e5F, 0, 0);
-  CHECK_THROWS_WITH_AS(map_of_cloud(far, "far.ply", {}), doctest::Contains("within 100 km"),
+  far.push_back(std::nanf(""), 0, 0);
+  far.push_back(500123.4F, -5412345.6F, 312);
+  CHECK_THROWS_WITH_AS(map_of_cloud(far, "far.ply", {}), doctest::Contains("--offset 500000,-5412000,0"),
                        std::runtime_error);
 }
 
