@@ -3,6 +3,8 @@
 #include "mapping/submap_join.hpp"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "odometry/tracking_promise.hpp"
 
@@ -56,7 +58,7 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
   const auto place = [&](std::uint32_t keyframe) -> Eigen::Vector3d {
     return request.active.graph.nodes().at(keyframe).translation();
   };
-  double sum = answer.search.log_odds, most = sum;
+  std::vector<double> log_odds = {answer.search.log_odds};
   for (const JoinFind& find : request.finds) {
     const Constraint& earlier = find.closure;
     const bool there = submap.graph.contains(earlier.from) && request.active.graph.contains(earlier.to) &&
@@ -64,13 +66,12 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
     if (!there || (place(earlier.to) - place(found->to)).norm() < kSameSpot * reach) continue;
     if (!agree(submap.graph, request.active.graph, earlier, *found)) continue;
     answer.agreeing.push_back(earlier);
-    sum += find.log_odds;
-    most = std::max(most, find.log_odds);
+    log_odds.push_back(find.log_odds);
   }
   if (answer.agreeing.size() < static_cast<std::size_t>(closure.planar ? kPlanarAgreeing : kAgreeing))
     return answer;
   // On a meadow two that agree say little more than one.
-  if (!closure.planar && kInOwnMap + together(most, sum) < kBelieved) return answer;
+  if (!closure.planar && kInOwnMap + together(std::move(log_odds)) < kBelieved) return answer;
   answer.closure.outcome = ClosureOutcome::kAccepted;
   PoseGraph graph = joined(request.active, submap, *found);
   for (const Constraint& c : answer.agreeing) graph.connect(c);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "geometry/moved_cloud.hpp"
@@ -64,6 +65,14 @@ CloudDescription describe_source(const PointCloud& cloud, double voxel, bool fin
 }
 
 }  // namespace
+
+double together(std::vector<double> log_odds) {
+  std::sort(log_odds.begin(), log_odds.end(), std::greater<>());
+  double sum = 0;
+  for (std::size_t k = 0; k < log_odds.size(); ++k)
+    sum += 2.0 / static_cast<double>((k + 1) * (k + 2)) * log_odds[k];
+  return sum;
+}
 
 /// A part of the map made ready to be searched, and all that it depends on.
 struct PlaceFinder::Target {

@@ -72,11 +72,10 @@ inline constexpr double kBelieved = 5.0;
 inline constexpr double kMostOfScans = 10.0;
 /// Log odds before any search that a robot lost in a map of its own is somewhere in it: 20 to 1.
 inline constexpr double kInOwnMap = 3.0;
-/// What searches that name the same place say together, by the most that one says and the sum of all: half
-/// of what the others do, for they see much of the same.
-inline double together(double most, double sum) {
-  return most + 0.5 * (sum - most);
-}
+/// What searches that name the same place say together. They see much of the same, so that any two are
+/// correlated by 1/2: n that say the same are worth 2 n / (n + 1) of one. So the k-th, the surest first, adds
+/// 2 / (k (k + 1)) of what it says.
+double together(std::vector<double> log_odds);
 /// Places that are tried at once, and finds that are remembered: caps on their cost.
 inline constexpr std::size_t kMostPlaces = 5, kMostFinds = 20;
 

@@ -261,7 +261,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
 /// In whatever order they came. A search from the same keyframe on the same scale says the same again.
 Relocation::Support Relocation::support_of(const Pose& map_from_predicted) const {
   Support support;
-  double sum = 0, most = -std::numeric_limits<double>::infinity();
+  std::vector<double> log_odds;
   std::vector<const Find*> counted;
   for (const Find& find : finds_) {
     if (!agree(find.map_from_predicted, map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
@@ -271,10 +271,9 @@ Relocation::Support Relocation::support_of(const Pose& map_from_predicted) const
     };
     if (std::any_of(counted.begin(), counted.end(), says_the_same)) continue;
     counted.push_back(&find);
-    sum += find.log_odds;
-    most = std::max(most, find.log_odds);
+    log_odds.push_back(find.log_odds);
   }
-  if (support.finds > 0) support.log_odds = together(most, sum);
+  if (support.finds > 0) support.log_odds = together(std::move(log_odds));
   return support;
 }
 
