@@ -69,8 +69,10 @@ CloudDescription describe_source(const PointCloud& cloud, double voxel, bool fin
 double together(std::vector<double> log_odds) {
   std::sort(log_odds.begin(), log_odds.end(), std::greater<>());
   double sum = 0;
-  for (std::size_t k = 0; k < log_odds.size(); ++k)
-    sum += 2.0 / static_cast<double>((k + 1) * (k + 2)) * log_odds[k];
+  for (std::size_t k = 0; k < log_odds.size(); ++k) {
+    const double share = log_odds[k] > 0 ? 2.0 / static_cast<double>((k + 1) * (k + 2)) : k > 0 ? 0.5 : 1.0;
+    sum += share * log_odds[k];
+  }
   return sum;
 }
 

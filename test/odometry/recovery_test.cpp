@@ -75,6 +75,16 @@ PointCloud car_park(const Pose& map_from_sensor, unsigned seed) {
 
 }  // namespace
 
+TEST_CASE("searches that say the same of a place are worth less than twice one of them, in any order") {
+  CHECK(together({6}) == 6);
+  CHECK(together({6, 6}) == doctest::Approx(8));
+  CHECK(together({6, 6, 6}) == doctest::Approx(9));
+  CHECK(together(std::vector<double>(20, 6)) < 12);
+  CHECK(together({3, 6}) == together({6, 3}));
+  CHECK(together({-4, 6}) == 4);
+  CHECK(together({-2, -4}) == -4);
+}
+
 TEST_CASE("among things that are small for the scale of the search it looks finer") {
   RecoveryRequest request;
   request.target.places = {archived(Pose::Identity(), car_park(Pose::Identity(), 1))};
