@@ -41,8 +41,8 @@ constexpr const char* kFooter = R"(What is done depends on IN and OUT:
   LOG --info                channels, types, counts, rates, gaps; damage is passed over, counted and reported
   SITE.ply|SITE.pcd SITE.map
                             a cloud of any program into a map for scanlockd --map, for a sensor at the body's origin, in
-                            the cloud's frame; with --offset, moved, and then with --up turned so that z is up. (--map takes the cloud, too; the
-                            .map loads faster.)
+                            the cloud's frame; moved with --offset, and then turned with --up so that z is up. (--map takes
+                            the cloud, too; the .map loads faster.)
   SITE.map SITE.ply|SITE.pcd
                             what the keyframes of a map have seen, as one cloud in its frame, thinned to 5 cm; submaps that
                             nothing ties to its frame are left out
@@ -76,10 +76,10 @@ inline void declare_convert_options(CommandLine line, ConvertOptions& options) {
   line.option("--scan", options.scan, "the number of the scan for a cloud OUT, from 0 on").from_zero();
   line.option("--up", options.up, "the axis of a cloud SITE.ply or SITE.pcd that points upwards (default: z)")
       .one_of({kAxes.begin(), kAxes.end()});
-  line.option("--offset", options.offset,
-              "metres, X,Y,Z: subtracted from the coordinates of a cloud SITE.ply or SITE.pcd, which are far "
-              "from "
-              "zero in UTM; poses are relative to it (default: 0,0,0)")
+  line.option(
+          "--offset", options.offset,
+          "metres, X,Y,Z: subtracted from the coordinates of a cloud SITE.ply or SITE.pcd, as of one in UTM; "
+          "poses are relative to it (default: 0,0,0)")
       .comma_separated(3);
   line.option("--period", options.clock.period_s,
               "seconds from scan to scan without times.txt (default: 0.1)")

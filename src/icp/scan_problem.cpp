@@ -23,9 +23,10 @@ struct KnotSums {
 /// Whether a ray that comes this way meets the other side of a plane than the one that was seen, by more than
 /// the error of its normal (two standard deviations): a thin wall has two.
 bool is_behind(const Surface& surface, const Eigen::Vector3f& to_eye) {
-  if (surface.line) return false;
+  const float towards = surface.normal.dot(to_eye);
+  if (surface.line || towards >= 0) return false;  // nearly all: the rest is seldom worked out
   const float error = std::sqrt(surface.tilt.squaredNorm() + surface.tilt_across * surface.tilt_across);
-  return surface.normal.dot(to_eye) < -2 * error * to_eye.norm();
+  return towards < -2 * error * to_eye.norm();
 }
 
 }  // namespace

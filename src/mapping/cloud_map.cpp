@@ -180,8 +180,8 @@ CloudMapBuilder::CloudMapBuilder(const CloudMapOptions& options)
 
 void CloudMapBuilder::add(PointCloud part) {
   points_ += part.size();
-  for (std::size_t i = 0; i < part.size() && !one_; ++i)
-    if (part.point(i).allFinite()) one_ = part.point(i);
+  for (std::size_t i = 0; i < part.size() && !first_finite_; ++i)
+    if (part.point(i).allFinite()) first_finite_ = part.point(i);
   part.nx.clear();  // which would be turned, too
   solid_.add(moved(std::move(part), Pose(level_) * options_.map_from_cloud));
 }
@@ -195,7 +195,7 @@ SavedMap CloudMapBuilder::build(const std::string& name,
     throw std::runtime_error(name + ": none of its " + std::to_string(points_) +
                              " points is within 100 km of its origin; subtract an offset from them: "
                              "scanlock-convert " +
-                             name + " SITE.map --offset " + thousands(*one_));
+                             name + " SITE.map --offset " + thousands(*first_finite_));
   if (solid_.not_finite() + solid_.too_far() > 0)
     warnings_.push_back("of its " + std::to_string(points_) + " points are left out: " +
                         std::to_string(solid_.not_finite()) + " that are not finite, " +

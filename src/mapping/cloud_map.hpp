@@ -47,7 +47,7 @@ class CloudMapBuilder {
   Eigen::Matrix3d level_;  ///< rotation; its z axis is up
   SolidCloud solid_;       ///< in the level frame
   std::uint64_t points_ = 0;
-  std::optional<Eigen::Vector3f> one_;  ///< of the finite ones, axes of the cloud
+  std::optional<Eigen::Vector3f> first_finite_;  ///< point, axes of the cloud
   std::vector<std::string> warnings_;
 };
 

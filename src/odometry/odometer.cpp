@@ -170,8 +170,8 @@ void Odometer::set_usual(const Usual& usual) {
   share_ = usual.share;
 }
 
-ScanAlignmentOptions Odometer::options(const PreparedScan& scan, const MotionPrior& prior,
-                                       Reach reach) const {
+ScanAlignmentOptions Odometer::options(const PreparedScan& scan, const MotionPrior& prior, Reach reach,
+                                       Sides sides) const {
   const bool far = reach == Reach::kFar;
   const double reach_m = std::max(scan.voxel, kReach * scan.median_range);
   ScanAlignmentOptions result;
@@ -183,6 +183,7 @@ ScanAlignmentOptions Odometer::options(const PreparedScan& scan, const MotionPri
   result.gate_margin = (far ? 3.0 : 1.5) * reach_m;
   result.sigma = sigma_ * std::sqrt(inflation());
   result.patch = patch(scan);
+  result.sided = sides == Sides::kSeen;
   result.threads = config_.threads;
   return result;
 }
@@ -192,9 +193,7 @@ Attempt Odometer::align(const PreparedScan& scan, const MotionPrior& prior, Reac
   attempt.prior = prior;
   MotionPrior local = prior;  // coordinates of the map are relative to its origin
   local.mean.pose.translation() -= map_.origin();
-  ScanAlignmentOptions how = options(scan, prior, reach);
-  how.sided = sides == Sides::kSeen;
-  attempt.alignment = aligner_.align(scan.source, map_.target(), local, how);
+  attempt.alignment = aligner_.align(scan.source, map_.target(), local, options(scan, prior, reach, sides));
   attempt.alignment.moving.pose.translation() += map_.origin();
   attempt.variance = variance();
   attempt.health = health_.assess(aligner_.residuals(), aligner_.distances(), aligner_.weights(),

@@ -154,7 +154,8 @@ class Odometer {
  private:
   /// What leads from the state to there.
   Vector6 twist_to(const Pose& pose, double seconds) const;
-  ScanAlignmentOptions options(const PreparedScan& scan, const MotionPrior& prior, Reach reach) const;
+  ScanAlignmentOptions options(const PreparedScan& scan, const MotionPrior& prior, Reach reach,
+                               Sides sides) const;
   void insert(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving);
   bool wants_keyframe(double overlap, double voxel) const;
   void follow_drift(const Pose& before);

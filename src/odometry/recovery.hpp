@@ -74,7 +74,8 @@ inline constexpr double kMostOfScans = 10.0;
 inline constexpr double kInOwnMap = 3.0;
 /// What searches that name the same place say together. They see much of the same, so that any two are
 /// correlated by 1/2: n that say the same are worth 2 n / (n + 1) of one. So the k-th, the surest first, adds
-/// 2 / (k (k + 1)) of what it says for the place, and half of what it says against it.
+/// 2 / (k (k + 1)) of what it says for the place. What speaks against it counts half; where all do, the one
+/// that says least counts whole.
 double together(std::vector<double> log_odds);
 /// Places that are tried at once, and finds that are remembered: caps on their cost.
 inline constexpr std::size_t kMostPlaces = 5, kMostFinds = 20;

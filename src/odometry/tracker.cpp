@@ -321,8 +321,10 @@ struct Tracker::State {
 
   /// The local map becomes what is archived around there.
   void reload(const Eigen::Vector3d& centre) {
-    read_map([&] { odometer->reload(archive.keyframes(), centre, scale.current(0), archive.fixed()); });
-    reloaded_at = time.now();
+    read_map([&] {
+      odometer->reload(archive.keyframes(), centre, scale.current(0), archive.fixed());
+      reloaded_at = time.now();
+    });
   }
 
   // ---- reporting
