@@ -208,7 +208,7 @@ std::vector<PointMatch> Odometer::point_matches() {
     PointMatch& match = matches.emplace_back();
     match.known = aligner_.weights()[i] > 0;
     if (!match.known) continue;
-    match.explained = is_inlier(aligner_.distances()[i], kKernel * sigma_);
+    match.explained = is_inlier(aligner_.residuals()[i], kKernel * sigma_);
     const Surface& surface = fits[i].surface;
     match.steep = surface.line || std::abs(surface.normal.z()) < kLevel;
   }

@@ -61,8 +61,9 @@ struct Attempt {
   double cost() const { return 1.0 - health.overlap * (1.0 - health.energy); }
 };
 
-/// A source point: whether it met a surface, is_inlier() of it, and met one that stands up (is not level in
-/// the axes of the map), for level ones look alike everywhere.
+/// A source point: whether it met a surface, lies on it (is_inlier() of its residual, so that one as thick as
+/// two walls that are near each other takes in what lies on either), and met one that stands up (is not level
+/// in the axes of the map), for level ones look alike everywhere.
 struct PointMatch {
   bool known = false, explained = false, steep = false;
 };

@@ -116,9 +116,10 @@ TEST_CASE(
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Eigen::Vector3f p = all.point(i);
     if (p.y() > -7.9f && p.x() > -11.9f) part.push_back(p);
-    const bool cupboard = std::fmod(std::abs(p.x()), 6.0f) < 2.0f;
-    if (p.y() > 7.9f && cupboard) other.y[i] -= 0.4f;
-    if (p.y() < -7.9f && cupboard) other.y[i] += 0.4f;
+    const auto cupboard = [](float along) { return std::fmod(std::abs(along), 6.0f) < 3.0f; };
+    if (p.y() > 7.9f && cupboard(p.x())) other.y[i] -= 0.4f;
+    if (p.y() < -7.9f && cupboard(p.x())) other.y[i] += 0.4f;
+    if (p.x() > 11.9f && cupboard(p.y())) other.x[i] -= 0.4f;
   }
   const Ending ending = contest_of({archived(Pose::Identity(), part), archived(kThere, other)},
                                    {Pose::Identity(), kThere}, false);
