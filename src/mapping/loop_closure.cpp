@@ -67,9 +67,9 @@ std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position, double
   return near;
 }
 
-std::optional<Constraint> find_closure(const ClosureRequest& request, const Pose& expected,
-                                       const Matrix6& covariance, const TrackerConfig& config,
-                                       std::string* reason) {
+std::optional<FoundClosure> find_closure(const ClosureRequest& request, const Pose& expected,
+                                         const Matrix6& covariance, const TrackerConfig& config,
+                                         std::string* reason) {
   const Attempt here =
       align(request, request.recent, request.keyframe.map_from_body, Matrix6::Zero(), config);
   const Attempt there = align(request, request.earlier, expected, covariance, config);
@@ -98,7 +98,7 @@ std::optional<Constraint> find_closure(const ClosureRequest& request, const Pose
     }
   }
   closure.loop_closure = true;
-  return closure;
+  return FoundClosure{closure, there.health.energy - here.health.energy};
 }
 
 void learn_usual(const ClosureRequest& request, Odometer* odometer) {
@@ -141,18 +141,18 @@ ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& con
     answer.outcome = ClosureOutcome::kKnown;
     return answer;
   }
-  const std::optional<Constraint> closure =
+  const std::optional<FoundClosure> found =
       find_closure(request, request.keyframe.map_from_body, answer.covariance, config, &answer.reason);
-  if (!closure) return answer;
-  answer.closure = *closure;
+  if (!found) return answer;
+  const Constraint& closure = answer.closure = found->constraint;
   answer.outcome = ClosureOutcome::kPending;
   const std::optional<Constraint>& before = request.pending;
   const bool there = before && request.graph.contains(before->from) && request.graph.contains(before->to);
-  if (!there || !agree(request.graph, request.graph, *before, *closure)) return answer;
+  if (!there || !agree(request.graph, request.graph, *before, closure)) return answer;
   answer.outcome = ClosureOutcome::kAccepted;
   PoseGraph graph = request.graph;
   graph.connect(*before);
-  graph.connect(*closure);
+  graph.connect(closure);
   graph.optimise();
   answer.map_from_node = graph.nodes();
   answer.covariance = graph.covariance(request.nearest, request.keyframe.id);

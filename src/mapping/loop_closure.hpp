@@ -69,11 +69,16 @@ struct ClosureAnswer {
 /// the two visits.
 ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& config);
 
+struct FoundClosure {
+  Constraint constraint;
+  double more_energy = 0;  ///< of the keyframe's alignment there, beyond that among the recent ones
+};
+
 /// The closure of the keyframe with `nearest`, where it is `expected` (frame of the earlier keyframes) to
 /// within a covariance; none where it is not found. `reason`: what was found, in words.
-std::optional<Constraint> find_closure(const ClosureRequest& request, const Pose& expected,
-                                       const Matrix6& covariance, const TrackerConfig& config,
-                                       std::string* reason);
+std::optional<FoundClosure> find_closure(const ClosureRequest& request, const Pose& expected,
+                                         const Matrix6& covariance, const TrackerConfig& config,
+                                         std::string* reason);
 /// Sets the odometer's usual energy to that of the keyframe aligned with the recent ones, at its pose.
 void learn_usual(const ClosureRequest& request, Odometer* odometer);
 /// Whether two closures agree on the relative pose of the two visits, within the covariances of both and of

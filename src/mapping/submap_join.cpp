@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "odometry/contest.hpp"
 #include "odometry/tracking_promise.hpp"
 
 namespace scanlock {
@@ -44,15 +45,16 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
   answer.closure.nearest_keyframe = nearest.id;
   answer.closure.nearest = closure.nearest = is_node ? nearest.id : kOriginNode;
   closure.own_from_nearest = is_node ? nearest.map_from_body : submap.own_from_map;
-  const std::optional<Constraint> found =
+  const std::optional<FoundClosure> closed =
       find_closure(closure, expected, resolution(request.search, reach), config, &answer.closure.reason);
-  if (!found) return answer;
+  if (!closed) return answer;
+  const Constraint& found = closed->constraint;
   // In a tunnel every place along it fits, and agrees with every other.
-  if (unknown_axes(inverse(found->information), kOnTheGround, kSamePlace, kSameHeading) != 0) {
+  if (unknown_axes(inverse(found.information), kOnTheGround, kSamePlace, kSameHeading) != 0) {
     answer.closure.reason.insert(0, "leaves a motion open: ");
     return answer;
   }
-  answer.closure.closure = *found;
+  answer.closure.closure = found;
   answer.closure.outcome = ClosureOutcome::kPending;
 
   const auto place = [&](std::uint32_t keyframe) -> Eigen::Vector3d {
@@ -63,23 +65,27 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
     const Constraint& earlier = find.closure;
     const bool there = submap.graph.contains(earlier.from) && request.active.graph.contains(earlier.to) &&
                        submap_of(find.nearest_keyframe, request.others) == other;
-    if (!there || (place(earlier.to) - place(found->to)).norm() < kSameSpot * reach) continue;
-    if (!agree(submap.graph, request.active.graph, earlier, *found)) continue;
+    if (!there || (place(earlier.to) - place(found.to)).norm() < kSameSpot * reach) continue;
+    if (!agree(submap.graph, request.active.graph, earlier, found)) continue;
     answer.agreeing.push_back(earlier);
     log_odds.push_back(find.log_odds);
   }
   if (answer.agreeing.size() < static_cast<std::size_t>(closure.planar ? kPlanarAgreeing : kAgreeing))
     return answer;
-  // On a meadow two that agree say little more than one.
-  if (!closure.planar && kInOwnMap + together(std::move(log_odds)) < kBelieved) return answer;
+  // Who was not found in the map that was given may be in another building. On a meadow two finds that agree
+  // say little more than one.
+  const double before = request.active.located ? kInOwnMap : 0;
+  // A building of the same kind has rooms with the same walls, and other things in them.
+  const double against = std::clamp(log_odds_of_energy(closed->more_energy), -kMostOfScans, 0.0);
+  if (!closure.planar && before + against + together(std::move(log_odds)) < kBelieved) return answer;
   answer.closure.outcome = ClosureOutcome::kAccepted;
-  PoseGraph graph = joined(request.active, submap, *found);
+  PoseGraph graph = joined(request.active, submap, found);
   for (const Constraint& c : answer.agreeing) graph.connect(c);
-  graph.connect(*found);
+  graph.connect(found);
   graph.optimise();
   answer.closure.map_from_node = graph.nodes();
-  answer.closure.covariance = graph.covariance(found->from, found->to);
-  answer.closure.drift = graph.covariance(kOriginNode, found->to);
+  answer.closure.covariance = graph.covariance(found.from, found.to);
+  answer.closure.drift = graph.covariance(kOriginNode, found.to);
   return answer;
 }
 

@@ -58,6 +58,10 @@ bool is_open(const Attempt& attempt) {
 
 }  // namespace
 
+double log_odds_of_energy(double more) {
+  return kOddsOfEnergy * (kMoreEnergy - more);
+}
+
 Contest::Contest(const std::vector<Pose>& map_from_predicted, std::vector<std::unique_ptr<Odometer>> maps) {
   maps.resize(map_from_predicted.size());
   for (std::size_t i = 0; i < maps.size(); ++i) {
@@ -120,7 +124,7 @@ double Contest::log_odds() const {
   double stand_up = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) stand_up += leader.patches[i].steep / points_[i];
   const double most = std::clamp(stand_up / kPatchesAFold, kLeastOfFit, kMostOfScans);
-  return std::clamp(kOddsOfEnergy * (kMoreEnergy - (health.energy - health.baseline)), -kMostOfScans, most);
+  return std::clamp(log_odds_of_energy(health.energy - health.baseline), -kMostOfScans, most);
 }
 
 /// Adds the scan, in the patches where the robot is predicted. `anew`: to nothing; a place that fits for the

@@ -16,6 +16,10 @@
 
 namespace scanlock {
 
+/// What an alignment says for a place rather than for ground that the map does not show, in log odds without
+/// a bound, by its energy beyond the usual one.
+double log_odds_of_energy(double more);
+
 /// A sequential test of hypotheses, corrections of the predicted pose of a lost robot, on the scans that
 /// follow. A hypothesis wins when it explains three scans in a row with its share of the usual inliers (0.3
 /// of them where searches believe it, otherwise 0.9 of them, or of those of the best hypothesis if these are
