@@ -69,6 +69,7 @@ struct ClosureAnswer {
 /// the two visits.
 ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& config);
 
+/// A closure, before anything else agrees with it.
 struct FoundClosure {
   Constraint constraint;
   double more_energy = 0;  ///< of the keyframe's alignment there, beyond that among the recent ones

@@ -38,8 +38,9 @@ struct JoinAnswer {
 };
 
 /// Finds the keyframe's pose by certified search, aligns it there, and accepts the join when an earlier find,
-/// of another keyframe, agrees on the relative pose of the two submaps, and the searches together are
-/// believed (for a planar sensor, when three earlier finds agree).
+/// of another keyframe, agrees on the relative pose of the two submaps, and the searches together, less what
+/// the energy of the alignment says against it, are believed (for a planar sensor, when three earlier finds
+/// agree).
 JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const TrackerConfig& config);
 
 /// Schedules the searches of the other submaps, and keeps their finds.
