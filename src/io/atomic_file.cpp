@@ -25,9 +25,9 @@ namespace fs = std::filesystem;
   throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
 }
 
-/// The file beside the target, ours alone while it is open. One name, so that a kill leaves one at most,
-/// which the next writer takes over; a lock, so that two writers do not mix. Errors name the target as the
-/// caller does.
+/// The temporary file beside the target; this process alone writes it while it is open. Its name is fixed, so
+/// that killed writers leave at most one file, which the next writer reuses. It is locked, so that two
+/// writers cannot mix their bytes. Errors name the target as the caller spelled it.
 class TemporaryFile {
  public:
   TemporaryFile(std::string name, std::string target)
@@ -64,20 +64,20 @@ class TemporaryFile {
     if (fsync(fd_) != 0) fail(name_);
   }
 
-  /// What it replaces keeps its permissions.
+  /// A target that is replaced keeps its permissions.
   void rename_to_target() {
     struct stat old = {};
     struct stat ours = {};
     const bool replaces = stat(target_.c_str(), &old) == 0 && fstat(fd_, &ours) == 0;
     if (replaces && ours.st_mode != old.st_mode && fchmod(fd_, old.st_mode & 07777) != 0) fail(name_);
-    const int copy = dup(fd_);  // a network's file system tells of errors when a file is closed
+    const int copy = dup(fd_);  // network file systems report write errors on close()
     if (copy < 0 || close(copy) != 0) fail(name_);
     if (rename(path_.c_str(), target_.c_str()) != 0) fail(name_);
     path_.clear();
   }
 
  private:
-  /// Whoever had it locked before may have renamed it since we opened it.
+  /// The process that held the lock before may have renamed the file between our open() and flock().
   bool is_still_there() const {
     struct stat ours = {};
     struct stat named = {};
@@ -89,10 +89,10 @@ class TemporaryFile {
   int fd_ = -1;
 };
 
-/// The name is in the directory's own data: it has to reach the disk too.
+/// The new name is stored in the directory, which has to reach the disk as well as the file.
 void sync_directory_of(const fs::path& path) {
   const int fd = open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return;  // the file is there; a directory that cannot be read cannot be synced
+  if (fd < 0) return;  // the file is already in place; a directory without read permission cannot be synced
   fsync(fd);
   close(fd);
 }

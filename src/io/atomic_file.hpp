@@ -8,14 +8,15 @@
 
 namespace scanlock {
 
-/// Replaces the file, or creates it, so that at any instant (a kill, a power cut) either the old content or
-/// the new one is there, whole: a temporary file beside it, synced, is renamed over it. A symbolic link is
-/// followed. `write` hands the content over piece by piece. Throws std::runtime_error naming the path, or
-/// what `write` throws; the old file is then untouched and nothing is left behind.
+/// Replaces or creates the file so that at any instant, even after a kill or a power cut, the path holds
+/// either the complete old content or the complete new content: a temporary file beside it is written, synced
+/// and renamed over it. A symbolic link is followed. `write` passes the content on piece by piece. Throws
+/// std::runtime_error naming the path, or whatever `write` throws; the old file is then unchanged and the
+/// temporary file is removed.
 using TakeBytes = std::function<void(std::string_view bytes)>;
 void write_file_atomically(const std::string& path, const std::function<void(const TakeBytes&)>& write);
 
-/// The same but for the power cut: it does not wait for the disk.
+/// As write_file_atomically(), but not safe against a power cut: it does not wait for the disk.
 void replace_file(const std::string& path, std::string_view bytes);
 
 }  // namespace scanlock

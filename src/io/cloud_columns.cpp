@@ -29,13 +29,13 @@ constexpr std::array<KnownColumn, 11> kKnownColumns = {{
     {"normal_y", &PointCloud::ny},
     {"normal_z", &PointCloud::nz},
     {"intensity", &PointCloud::intensity},
-    {"scalar_intensity", &PointCloud::intensity},  // CloudCompare
+    {"scalar_intensity", &PointCloud::intensity},  // the name that CloudCompare writes
 }};
 
 template <typename T>
 double from_bits(std::uint64_t bits) {
   T value;
-  std::memcpy(&value, &bits, sizeof value);  // the low bytes come first on a little-endian machine
+  std::memcpy(&value, &bits, sizeof value);  // low-order bytes, on a little-endian machine
   return static_cast<double>(value);
 }
 
@@ -85,8 +85,8 @@ CloudArray array_for(std::string_view column, ScalarType type) {
   std::string name(column);
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  // Other drivers' `time` columns count nanoseconds or from the epoch; a float32 can only be relative
-  // seconds.
+  // Some drivers' `time` columns hold nanoseconds or seconds since the epoch. A float32 is too coarse for
+  // either, so a float32 column must hold relative seconds.
   if (name == "time") return type == ScalarType::kFloat32 ? &PointCloud::time : nullptr;
   for (const KnownColumn& known : kKnownColumns)
     if (known.name == name) return known.array;

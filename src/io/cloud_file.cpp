@@ -38,7 +38,7 @@ const Format& format_of(const std::string& path) {
   throw std::runtime_error(path + ": unknown kind of cloud; use .bin, .ply, .pcd, .xyz or .txt");
 }
 
-/// Both have the same attributes.
+/// `part` and `all` must have the same optional attributes.
 void append(const PointCloud& part, PointCloud* all) {
   for (const auto array : {&PointCloud::x, &PointCloud::y, &PointCloud::z, &PointCloud::nx, &PointCloud::ny,
                            &PointCloud::nz, &PointCloud::intensity, &PointCloud::time})

@@ -12,40 +12,41 @@
 
 namespace scanlock {
 
-/// Reads a cloud; the extension (in any case) names the format:
+/// Reads a cloud; the extension (upper or lower case) selects the format:
 ///   .bin         KITTI: float32 x y z intensity, little endian
-///   .ply         ascii, binary little and big endian; the element `vertex`, all others are skipped
+///   .ply         ascii, binary little and big endian; the element `vertex` is read, all others are skipped
 ///   .pcd         ascii, binary, binary_compressed; VIEWPOINT is not applied
-///   .xyz, .txt   a point a line: x y z [intensity]; `#` starts a comment
-/// In .ply and .pcd columns may stand in any order and have any scalar type; taken are x, y, z, nx, ny, nz
-/// (normal_x, normal_y, normal_z), intensity (scalar_intensity), and `time` when it is a float32: seconds
-/// relative to the stamp of the scan. Coordinates become floats: a far origin (UTM) is to be subtracted
-/// before, see `offset` below.
+///   .xyz, .txt   one point per line: x y z [intensity]; `#` starts a comment
+/// In .ply and .pcd the columns may have any order and any scalar type. The columns read are x, y, z, nx, ny,
+/// nz (normal_x, normal_y, normal_z), intensity (scalar_intensity), and `time` if it is a float32: seconds
+/// relative to the stamp of the scan. Coordinates become floats; subtract a distant origin (UTM) with the
+/// parameter `offset` of the overload below.
 ///
-/// Every point is kept, NaN and infinite ones too, in the order of the file: the caller decides what they
-/// mean. Throws std::runtime_error "FILE:LINE: what" (text) or "FILE: byte N: what" (binary) for a file that
-/// is damaged or does not hold what its header promises; it never allocates more than the size of the file
-/// justifies.
+/// Every point is kept, in the order of the file, including NaN and infinite points; the caller decides how
+/// to treat those. Throws std::runtime_error "FILE:LINE: what" (text) or "FILE: byte N: what" (binary) when
+/// the file is damaged or holds less than its header states. Never allocates more memory than the size of the
+/// file justifies.
 PointCloud read_cloud(const std::string& path);
 
-/// Takes the points of a file, in clouds of kPartPoints and a last one of what is left.
+/// Receives the points of a file in clouds of kPartPoints points each; the last cloud may be smaller.
 using TakePoints = std::function<void(PointCloud&& part)>;
 inline constexpr std::size_t kPartPoints = 1u << 18;
 
-/// The same for a file that need not fit into memory: its points are handed on in the order of the file, and
-/// no more than a part of them is held, but for .pcd with binary_compressed, which is held as a whole. What
-/// was handed on before an error is of the file, too. `progress`: bytes read, and bytes in all. `offset`:
-/// metres, subtracted from the coordinates before they become floats.
+/// Reads a file that need not fit into memory. Points are passed to `take` in the order of the file, and at
+/// most kPartPoints of them are held at a time, except for binary_compressed .pcd, which is held as a whole.
+/// Points that were passed on before an error are valid points of the file. `progress`: bytes read, and bytes
+/// in total. `offset`: metres, subtracted from the coordinates before they become floats.
 void read_cloud(const std::string& path, const TakePoints& take,
                 const std::function<void(std::uint64_t, std::uint64_t)>& progress = {},
                 const Eigen::Vector3d& offset = Eigen::Vector3d::Zero());
 
-/// Writes all that the cloud has and the format can hold; .ply and .pcd are written binary, with `time` as
-/// above. A .bin without intensities gets zeros. Throws std::runtime_error naming the path when the write
-/// fails.
+/// Writes every attribute that both the cloud has and the format can hold; .ply and .pcd are written as
+/// binary, with `time` as above. A .bin of a cloud without intensities gets intensity 0. Throws
+/// std::runtime_error naming the path when the write fails.
 void write_cloud(const std::string& path, const PointCloud& cloud);
 
-/// Throws std::runtime_error where the extension names no format, as the two above do.
+/// Throws std::runtime_error, as read_cloud() and write_cloud() do, when the extension is not one of a known
+/// format.
 void check_cloud_path(const std::string& path);
 
 }  // namespace scanlock

@@ -8,8 +8,8 @@
 #include "io/byte_source.hpp"
 #include "io/cloud_columns.hpp"
 
-// The formats behind cloud_file.hpp, one file each; `path` is for the errors only. Points are handed on in
-// parts.
+// The formats behind cloud_file.hpp, one source file each. `path` is used in error messages only. Points are
+// passed on in parts of kPartPoints.
 namespace scanlock {
 
 void parse_kitti_bin(const std::string& path, ByteSource& source, const PointSink& sink);

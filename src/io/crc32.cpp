@@ -7,10 +7,11 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kStride = 16;  // bytes that are divided at once
+constexpr std::size_t kStride = 16;  // bytes processed in one step
 using Table = std::array<std::uint32_t, 256>;
 
-/// Slicing (Kounavis and Berry 2008): table k has what a byte leaves that k others follow.
+/// Slicing (Kounavis and Berry 2008): table k holds the remainder of each byte value followed by k zero
+/// bytes.
 constexpr std::array<Table, kStride> make_tables() {
   std::array<Table, kStride> tables{};
   for (std::uint32_t byte = 0; byte < 256; ++byte) {

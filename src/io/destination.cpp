@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostLinks = 40;  // as many as Linux follows
+constexpr int kMostLinks = 40;  // Linux's own limit
 
 Destination::Kind kind_of(const fs::path& path) {
   const fs::file_status status = fs::status(path);
@@ -26,7 +26,7 @@ Destination followed(const std::string& name) {
   for (int links = 0; links < kMostLinks; ++links) {
     const fs::path folder = fs::weakly_canonical(path.parent_path());
     path = folder / path.filename();
-    // /dev/stdout and its like are links to there; what they lead to is open already.
+    // /dev/stdout and /dev/fd/N are links into /proc; their target is already open.
     if (folder.string().rfind("/proc/", 0) == 0) return {path.string(), Destination::Kind::kSpecial};
     if (!fs::is_symlink(fs::symlink_status(path))) return {path.string(), kind_of(path)};
     path = folder / fs::read_symlink(path);

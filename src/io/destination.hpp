@@ -6,22 +6,22 @@
 
 namespace scanlock {
 
-/// Where a write to a name goes.
+/// The file that is written when a program opens this name for writing.
 struct Destination {
   enum class Kind {
-    kNothing,    ///< nothing there yet
+    kNothing,    ///< does not exist yet
     kFile,       ///< a regular file
     kDirectory,  ///< a directory
-    kSpecial     ///< a device, FIFO or socket, or an open descriptor (/dev/stdout): nothing in it can be lost
+    kSpecial     ///< device, FIFO, socket or open descriptor (/dev/stdout): a write destroys no data
   };
-  std::string path;  ///< absolute; links are followed, also one to a file that is not there yet
+  std::string path;  ///< absolute, with links resolved, even a link to a file that does not exist yet
   Kind kind = Kind::kNothing;
 };
 
-/// Throws std::runtime_error naming `name` where its links lead round in a circle or its folder is barred.
+/// Throws std::runtime_error naming `name` when its links form a loop or its folder is not accessible.
 Destination destination_of(const std::string& name);
 
-/// Whether two destinations are one file, whatever their spelling, links and hard links.
+/// Whether two destinations are the same file, regardless of spelling, symbolic links and hard links.
 bool same_file(const Destination& a, const Destination& b);
 
 }  // namespace scanlock

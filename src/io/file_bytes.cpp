@@ -19,8 +19,8 @@
 namespace scanlock {
 namespace {
 
-/// A descriptor of our own, /dev/stdout, goes on where it is: opened anew, a file behind it would begin
-/// again.
+/// A descriptor of this process (/dev/stdout) is duplicated, which keeps its position: opening the name anew
+/// would start at the beginning of the file behind it.
 int open_special(const std::filesystem::path& path) {
   if (path.parent_path() == "/proc/" + std::to_string(getpid()) + "/fd")
     return dup(std::atoi(path.filename().c_str()));

@@ -9,11 +9,12 @@
 
 namespace scanlock {
 
-/// The whole file. Throws std::runtime_error as InputFile.
+/// Reads the whole file. Throws std::runtime_error as InputFile does.
 std::vector<std::uint8_t> read_file_bytes(const std::string& path);
 
-/// Replaces the file as a whole (see replace_file()), or writes to the device, FIFO or descriptor that it is.
-/// Throws std::runtime_error naming the path and the system's reason when not all of it can be written.
+/// Replaces a regular file as a whole (see replace_file()); writes to a device, FIFO or descriptor directly.
+/// Throws std::runtime_error naming the path and the system's reason when some of the bytes cannot be
+/// written.
 void write_file_bytes(const std::string& path, std::string_view bytes);
 
 }  // namespace scanlock

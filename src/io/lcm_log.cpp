@@ -17,7 +17,7 @@ constexpr std::uint32_t kSyncWord = 0xEDA1DA01;
 constexpr std::array<std::uint8_t, 4> kSyncBytes = {0xED, 0xA1, 0xDA, 0x01};
 constexpr std::size_t kHeaderSize = 28;
 constexpr std::uint64_t kMaxDataSize = 1u << 28;    // LCM_MAX_MESSAGE_SIZE
-constexpr std::uint64_t kMaxChannelSize = 999;      // what lcm-logplayer still reads
+constexpr std::uint64_t kMaxChannelSize = 999;      // the longest that lcm-logplayer reads
 constexpr std::size_t kMaxWrittenChannelSize = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH
 constexpr std::uint64_t kSearchChunk = 1u << 18;
 
@@ -66,7 +66,7 @@ void LogReader::read_at(std::uint64_t offset, std::uint8_t* bytes, std::size_t c
   file_position_ = offset + count;
 }
 
-/// The header at `offset` when it is one that a logger could have written; its event need not fit the file.
+/// The header at `offset`, if a logger could have written it; its event may extend past the end of the file.
 std::optional<LogReader::Header> LogReader::header_at(std::uint64_t offset) {
   if (file_size_ - offset < kHeaderSize) return std::nullopt;
   std::array<std::uint8_t, kHeaderSize> bytes{};
@@ -88,7 +88,8 @@ std::optional<LogReader::Header> LogReader::header_at(std::uint64_t offset) {
   return header;
 }
 
-/// True where an event may end: the end of the file, or the sync word of the next (or what is left of it).
+/// Whether an event may end at `offset`: the end of the file, or the (possibly cut) sync word of the next
+/// event.
 bool LogReader::boundary_at(std::uint64_t offset) {
   const std::size_t count = std::min<std::uint64_t>(kSyncBytes.size(), file_size_ - offset);
   std::array<std::uint8_t, 4> bytes{};
@@ -96,7 +97,7 @@ bool LogReader::boundary_at(std::uint64_t offset) {
   return std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count), kSyncBytes.begin());
 }
 
-/// True when fewer bytes are left than a header has, and they look like the start of one.
+/// Whether fewer bytes are left than a header has, and they start like a header.
 bool LogReader::only_a_piece_left() {
   return file_size_ - position_ < kHeaderSize && boundary_at(position_);
 }
@@ -124,7 +125,7 @@ LogReader::Search LogReader::find_event(std::uint64_t from, std::uint64_t to) {
   return found;
 }
 
-/// Moves to the next place where an event begins; false when there is none that is whole.
+/// Moves to the next place where a complete event begins; false when no complete event follows.
 bool LogReader::resynchronise() {
   ++damaged_places_;
   const Search found = find_event(position_ + 1, file_size_);
@@ -147,13 +148,13 @@ std::optional<LogEvent> LogReader::next() {
       continue;
     }
     if (header->event_size() > file_size_ - position_) {
-      // Either the last event was cut, or its size is damaged and whole events follow.
+      // Either this event was cut by the end of the file, or its size is damaged and complete events follow.
       if (!find_event(position_ + 1, file_size_).fitting) break;
       resynchronise();
       continue;
     }
     const std::uint64_t end = position_ + header->event_size();
-    // What follows is no event: when one begins inside this one, it is this one's size that is damaged.
+    // No event begins at `end`. If one begins inside this event, the size of this event is damaged.
     if (!boundary_at(end) && find_event(position_ + 1, end).fitting) {
       resynchronise();
       continue;

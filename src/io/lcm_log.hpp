@@ -15,26 +15,27 @@ namespace scanlock {
 struct LogEvent {
   std::int64_t number = 0;
   std::int64_t utime =
-      0;  ///< microseconds, when the logger received it: never use it as the time of the data
+      0;  ///< microseconds, time of receipt by the logger: never use it as the time of the data
   std::string channel;
   std::vector<std::uint8_t> data;
 };
 
-/// Reads an LCM event log to its end, whatever state it is in: damage is skipped to the next sync word that
-/// begins a plausible event, and counted. A length is believed only when the file is long enough for it, so
-/// that no damaged byte can make the reader allocate more than the file holds.
+/// Reads an LCM event log to its end, even when it is damaged: the reader skips damage to the next sync word
+/// that begins a plausible event, and counts it. It accepts a length only when the file is long enough for
+/// it, so that a damaged byte cannot make it allocate more memory than the file has bytes.
 class LogReader {
  public:
-  /// Throws std::runtime_error with a sentence that names the path when the file cannot be opened or is no
+  /// Throws std::runtime_error with a sentence that names the path when the file cannot be opened or is not a
   /// regular file (a directory, a pipe).
   explicit LogReader(const std::string& path);
 
-  /// The next event, or nothing at the end of the file. Throws std::runtime_error when the disk fails.
+  /// The next event, or nothing at the end of the file. Throws std::runtime_error when a read from the disk
+  /// fails.
   std::optional<LogEvent> next();
 
   std::int64_t damaged_places() const { return damaged_places_; }  ///< times the reader had to resynchronise
   std::int64_t skipped_bytes() const { return skipped_bytes_; }
-  bool truncated() const { return truncated_; }         ///< the last event was cut short
+  bool truncated() const { return truncated_; }         ///< the last event is incomplete
   std::uint64_t position() const { return position_; }  ///< bytes read, for a progress bar
   std::uint64_t file_size() const { return file_size_; }
 
@@ -44,8 +45,8 @@ class LogReader {
     std::uint64_t channel_size, data_size;
     std::uint64_t event_size() const;
   };
-  /// Fitting: the first place at which an event can begin and be whole. Cut: else, the first where one begins
-  /// that the end of the file cuts short.
+  /// fitting: the first place where an event begins that lies completely within the file. cut: the first
+  /// place, before `fitting` if there is one, where an event begins that the end of the file cuts short.
   struct Search {
     std::optional<std::uint64_t> fitting, cut;
   };
@@ -65,20 +66,20 @@ class LogReader {
   bool truncated_ = false;
 };
 
-/// Throws std::runtime_error naming the path for a file that cannot be read, or that holds no event: before a
-/// program opens anything for writing.
+/// Throws std::runtime_error naming the path when the file cannot be read or holds no event. Programs call it
+/// before they open an output.
 void check_log(const std::string& path);
 
-/// Writes an LCM event log that lcm-logplayer plays. Throws std::runtime_error naming the path when a write
-/// fails.
+/// Writes an LCM event log that lcm-logplayer can play. Throws std::runtime_error naming the path when a
+/// write fails.
 class LogWriter {
  public:
   enum class Mode : std::int8_t { kCreate, kAppend };
   explicit LogWriter(const std::string& path, Mode mode = Mode::kCreate);
-  /// utime: microseconds. Refuses a channel that is empty or longer than LCM's 63 characters, and data over
-  /// 256 MiB.
+  /// `utime`: microseconds. Throws for a channel name that is empty or longer than LCM's 63 characters, and
+  /// for data of more than 256 MiB.
   void write(std::int64_t utime, const std::string& channel, const std::vector<std::uint8_t>& data);
-  /// Flushes; throws when the disk refused. Call it before success is reported.
+  /// Flushes; throws when a write failed. Call it before reporting success.
   void close();
 
  private:

@@ -15,11 +15,11 @@
 namespace scanlock {
 namespace {
 
-constexpr double kGapFactor = 2.5;  // one missing event makes an interval of two medians, with some jitter
+constexpr double kGapFactor = 2.5;  // above 2, the interval around one missing event, by a margin for jitter
 
 struct Collected {
   std::set<std::uint64_t> types;
-  std::vector<std::int64_t> utimes;  // of events that begin something new
+  std::vector<std::int64_t> utimes;  // of events; of the sectors of one scan, only the first
   std::vector<std::uint8_t> last_scan;
   std::size_t events = 0;
   std::uint64_t bytes = 0;
@@ -62,8 +62,8 @@ void measure_intervals(const std::vector<std::int64_t>& utimes, ChannelInfo& inf
         std::count_if(intervals.begin(), intervals.end(), [&](double s) { return s > kGapFactor * median; }));
 }
 
-/// Adds an event. The sectors of one scan, told by the utime behind their fingerprint, count as one in time:
-/// else every pause between two scans would be a gap.
+/// Adds an event. Consecutive sectors of one scan (equal fingerprint and equal utime, the first 16 bytes)
+/// count as one event in the intervals: otherwise the pause between two scans would be counted as a gap.
 void collect(const LogEvent& event, Collected& channel) {
   constexpr std::size_t kFingerprintAndUtime = 16;
   const std::uint64_t type = message_fingerprint(event.data.data(), event.data.size());

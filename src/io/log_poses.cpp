@@ -16,7 +16,7 @@
 namespace scanlock {
 namespace {
 
-/// What all pose types come down to.
+/// The fields that all pose types have.
 struct RawPose {
   double time_s = 0;
   std::array<double, 3> position{};
@@ -146,7 +146,7 @@ LogPoses read_log_poses(const std::string& path, const std::string& channel) {
 
 bool is_log(const std::string& path) {
   if (std::filesystem::path(path).extension() == ".lcmlog") return true;
-  if (!std::filesystem::is_regular_file(path)) return false;  // of a pipe nobody may be at the other end
+  if (!std::filesystem::is_regular_file(path)) return false;  // opening a pipe without a writer would block
   std::ifstream file(path, std::ios::binary);
   std::array<char, 4> start{};
   return file.read(start.data(), start.size()) && std::string(start.data(), 4) == "\xED\xA1\xDA\x01";

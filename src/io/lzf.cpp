@@ -6,9 +6,9 @@
 
 namespace scanlock {
 
-// The format: a control byte c below 32 announces c + 1 literal bytes. Else its upper three bits are a length
-// (7: add the next byte) and its lower five with the byte after that a distance; length + 2 bytes are copied
-// from distance + 1 bytes back, where source and target may overlap.
+// The format: a control byte c < 32 announces c + 1 literal bytes. Otherwise its upper three bits are a
+// length (7: add the next byte), and its lower five bits, followed by one more byte, are a distance; length +
+// 2 bytes are copied from distance + 1 bytes back. Source and target of the copy may overlap.
 std::optional<std::vector<std::uint8_t>> lzf_decompress(const std::uint8_t* compressed,
                                                         std::size_t compressed_size, std::size_t size) {
   if (size / kLzfLargestCopy > compressed_size / 3 + 1) return std::nullopt;

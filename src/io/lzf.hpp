@@ -9,11 +9,12 @@
 
 namespace scanlock {
 
-/// Three bytes of LZF can stand for at most this many.
+/// The most bytes that three bytes of LZF can produce.
 constexpr std::size_t kLzfLargestCopy = 264;
 
-/// Undoes LZF, the compression of PCD's binary_compressed. Nothing when the data is damaged or does not give
-/// exactly `size` bytes; a `size` that `compressed_size` bytes cannot give is refused before it is allocated.
+/// Decompresses LZF, which PCD's binary_compressed uses. Returns nothing when the data is damaged or does not
+/// produce exactly `size` bytes. A `size` that `compressed_size` bytes cannot produce is rejected before it
+/// is allocated.
 std::optional<std::vector<std::uint8_t>> lzf_decompress(const std::uint8_t* compressed,
                                                         std::size_t compressed_size, std::size_t size);
 

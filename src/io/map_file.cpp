@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 32;  // a cloud of 1e8 points takes up to 1.2 GB
 
-/// Another file's name in a command must not cost that file.
+/// A wrong path on the command line must not destroy a file that is not a map.
 void refuse_other_files(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) == 0) return;

@@ -10,10 +10,10 @@
 
 namespace scanlock {
 
-/// A map file, version 4. All numbers little-endian; a pose is the upper three rows of its matrix, row-major,
-/// as 12 float64.
+/// A map file, version 4. All numbers are little-endian; a pose is the upper three rows of its matrix,
+/// row-major, as 12 float64.
 ///
-///     offset  size  what
+///     offset  size  content
 ///     0       8     89 53 4C 4D 41 50 0D 0A (".SLMAP" and a line end that text conversions damage)
 ///     8       4     version
 ///     12      8     bytes of the body
@@ -21,33 +21,34 @@ namespace scanlock {
 ///                   uint32 keyframes, then of each keyframe
 ///                     int64 utime, pose map_from_body, float32 reach, int32 k, uint32 points n,
 ///                     int16 x[n], y[n], z[n] in steps of 2^k metres,
-///                     uint32 stands m, float32 x, y, z of each (not in version 1);
+///                     uint32 m body-up attitudes (stands), float32 x, y, z of each (not in version 1);
 ///                   then (not in versions 1 and 2) uint32 constraints, of each
 ///                     uint32 from, to (keyframes, counted from 1; 0 is the map's frame), pose from_to,
 ///                     uint32 1 for a loop closure, else 0, float64 information[21] (upper triangle,
 ///                     row-major)
-///     end - 4 4     CRC-32 of everything before
+///     end - 4 4     CRC-32 of all bytes before it
 ///
-/// The step is the smallest power of two that reaches the keyframe's farthest coordinate in 32767 steps, so a
-/// coordinate is kept to half of it: 2 mm where the farthest is 100 m, 0.25 mm where it is 15 m. Poses are
-/// kept exactly, and a map of this version that was read is written to the same bytes again. Versions 1 to 3
-/// are read, too.
+/// The step 2^k is the smallest power of two for which the keyframe's largest coordinate is at most 32767
+/// steps. Coordinates are therefore rounded by at most half a step: 2 mm where the largest is 100 m, 0.25 mm
+/// where it is 15 m. Poses are stored exactly, and reading and writing a map of this version reproduces the
+/// same bytes. Versions 1 to 3 can also be read.
 constexpr std::uint32_t kMapVersion = 4;
 
-/// Points that are not finite are left out.
+/// Encodes a map. Points that are not finite are left out.
 std::vector<std::uint8_t> encode_map(const SavedMap& map);
 
-/// Throws std::runtime_error "NAME: byte N: what is wrong" for content that is no map, of a newer version,
-/// damaged or cut. No size is believed before the bytes for it are there.
+/// Throws std::runtime_error "NAME: byte N: what is wrong" for content that is not a map, has a newer
+/// version, is damaged or is cut. A size is accepted only when the bytes for it are present.
 SavedMap decode_map(const std::vector<std::uint8_t>& bytes, const std::string& name);
 
-/// Replaces the file in one step (see `write_file_atomically`). Throws std::runtime_error naming the path;
-/// also when another file than a map is there, which is then left alone, and PointsUnreadable.
+/// Replaces the file atomically (see write_file_atomically()). Throws std::runtime_error naming the path,
+/// also when the existing file is not a map (it is then left unchanged), and PointsUnreadable.
 void write_map(const std::string& path, const SavedMap& map);
 
-/// The points stay in the file, which is kept open: see KeyframePoints. A file that takes its name, as
-/// write_map makes one, does not matter; where it is changed in place its points are unreadable. Throws
-/// std::runtime_error as decode_map, and for a file that cannot be read or has over 4 GB.
+/// Reads a map. The points stay in the file, which is kept open: see KeyframePoints. Replacing the file by
+/// another one of the same name, as write_map() does, is harmless; modifying it in place makes its points
+/// unreadable. Throws std::runtime_error as decode_map() does, and for a file that cannot be read or is
+/// larger than 4 GB.
 SavedMap read_map(const std::string& path);
 
 }  // namespace scanlock

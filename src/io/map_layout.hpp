@@ -11,16 +11,16 @@
 
 namespace scanlock {
 
-// What a map file begins with, and the sizes in bytes of what it holds: see map_file.hpp.
+// The first bytes of a map file, and the sizes of its parts in bytes: see map_file.hpp.
 inline constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'S', 'L', 'M', 'A', 'P', '\r', '\n'};
 inline constexpr std::size_t kPoseBytes = 12 * 8, kUpBytes = 3 * 8, kChecksumBytes = 4;
 inline constexpr std::size_t kKeyframeBytes = 8 + kPoseBytes + 4 + 4 + 4;  // without its points
 inline constexpr std::size_t kConstraintBytes = 4 + 4 + kPoseBytes + 4 + 21 * 8;
 inline constexpr std::size_t kPointBytes = 3 * 2, kStandBytes = 3 * 4;
-inline constexpr int kFinestStep = -24, kCoarsestStep = 24;  // metres, as powers of two
+inline constexpr int kFinestStep = -24, kCoarsestStep = 24;  // k of the step 2^k metres
 inline constexpr double kMostSteps = 32767;
 
-/// The same bits as a number without sign.
+/// The bits of a value, reinterpreted as another type of the same size.
 template <typename Unsigned, typename Value>
 Unsigned bits_of(Value value) {
   static_assert(sizeof(Unsigned) == sizeof(Value));

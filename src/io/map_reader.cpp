@@ -18,8 +18,8 @@
 namespace scanlock {
 namespace {
 
-/// Reads numbers off bytes, and their checksum; whoever asks for more than there is gets an error that says
-/// where and for what.
+/// Reads numbers from bytes and computes their checksum. A read past the end throws an error that names the
+/// offset and the item that was to be read.
 class MapReader {
  public:
   MapReader(ByteSource& source, std::string name) : source_(source), name_(std::move(name)) {}
@@ -43,7 +43,7 @@ class MapReader {
     pass(sizeof(Unsigned));
     return static_cast<Unsigned>(value);
   }
-  /// Points of a file stay there.
+  /// The points of a keyframe; if the source is a file, they are not loaded but stay in it.
   KeyframePoints points(std::uint64_t count, int exponent) {
     need(count * kPointBytes, "the points");
     PointsInFile::Part part;
@@ -61,9 +61,9 @@ class MapReader {
     part.after = checksum_;
     return KeyframePoints(std::make_shared<const PointsInFile>(source_.file(), part));
   }
-  /// Leaves the checksum at the end to check_sum().
+  /// Excludes the checksum at the end of the file from left(), until check_sum().
   void hold_back_checksum() { held_back_ = kChecksumBytes; }
-  /// Passes over what is left.
+  /// Skips the bytes that are left, then compares the checksum.
   void check_sum() {
     pass(left());
     held_back_ = 0;
@@ -86,12 +86,12 @@ class MapReader {
   }
 
   ByteSource& source_;
-  std::size_t held_back_ = 0;   ///< bytes at the end that are not for reading
-  std::uint32_t checksum_ = 0;  ///< of all that was read
+  std::size_t held_back_ = 0;   ///< bytes at the end of the source that left() excludes
+  std::uint32_t checksum_ = 0;  ///< of all bytes read so far
   std::string name_;
 };
 
-/// Returns the version.
+/// Reads the header and returns the version.
 std::uint32_t read_header(MapReader& reader) {
   for (const std::uint8_t expected : kMagic) {
     const std::size_t at = reader.at();
@@ -176,7 +176,7 @@ ArchivedKeyframe read_keyframe(MapReader& reader, std::uint32_t version) {
   return keyframe;
 }
 
-/// Not negative in any direction, but for rounding.
+/// Whether the matrix is positive semidefinite within rounding.
 bool is_information(const Matrix6& information) {
   if (!information.allFinite()) return false;
   const Vector6 values = symmetric_eigen(information).values;

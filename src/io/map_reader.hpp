@@ -9,8 +9,8 @@
 
 namespace scanlock {
 
-/// In one pass. Of a damaged file the checksum is what is wrong, whatever else seems to be. Throws
-/// std::runtime_error, see decode_map() of map_file.hpp.
+/// Decodes a map in one pass. When the body cannot be decoded and the checksum does not match either, the
+/// checksum is the error reported. Throws std::runtime_error, see decode_map() in map_file.hpp.
 SavedMap decode_map(ByteSource& source, const std::string& name);
 
 }  // namespace scanlock

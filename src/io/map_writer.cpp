@@ -32,7 +32,7 @@ bool is_finite(const PointCloud& points, std::size_t i) {
   return points.point(i).allFinite();
 }
 
-/// The exponent of the smallest step that reaches all finite coordinates.
+/// The exponent of the smallest step with which all finite coordinates fit into 32767 steps.
 int step_exponent(const PointCloud& points) {
   float farthest = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -44,7 +44,7 @@ int step_exponent(const PointCloud& points) {
   return exponent;
 }
 
-/// Those of a map file all are, and are not read for it.
+/// The number of finite points. Points stored in a map file are all finite and are not read for this.
 std::size_t finite_points(const KeyframePoints& points) {
   if (points.are_stored()) return points.size();
   const std::shared_ptr<const PointCloud> cloud = points.cloud();

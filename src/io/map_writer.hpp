@@ -7,7 +7,7 @@
 
 namespace scanlock {
 
-/// Hands the bytes of a map file over piece by piece. Points that are not finite are left out. Throws
+/// Passes the bytes of a map file on piece by piece. Points that are not finite are left out. Throws
 /// PointsUnreadable.
 void encode_map(const SavedMap& map, const TakeBytes& take);
 

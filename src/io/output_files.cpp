@@ -24,7 +24,8 @@ struct Output {
   Destination destination;
 };
 
-/// The file of an input, which may be a directory of scans, that is `output` too; empty: none.
+/// The file of an input (a file, or a directory of scans) that `output` would overwrite; empty when it would
+/// overwrite none.
 std::string input_overwritten(const std::string& input, const Destination& output) {
   const Destination read = destination_of(input);
   if (read.kind == Kind::kFile && same_file(read, output)) return input;

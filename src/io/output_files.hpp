@@ -7,17 +7,17 @@
 
 namespace scanlock {
 
-/// All that a run of a program reads and writes, as it was named; an empty name stands for nothing.
+/// All files that a program run reads and writes, as named on the command line; empty names are ignored.
 struct RunFiles {
-  std::vector<std::string> inputs;  ///< files, and directories of scans
+  std::vector<std::string> inputs;  ///< files, or directories of scans
   std::vector<std::string> outputs;
-  std::string output_directory;  ///< of scans
+  std::string output_directory;  ///< to write scans into
 };
 
-/// To be called before anything is opened for writing. Throws std::runtime_error, one sentence that names the
-/// file, when a run would write over one of its inputs, write two outputs into one file, or has no folder to
-/// write to; and, unless `force`, when an output is there already (a directory: when it is not empty). What
-/// is no regular file (/dev/null, /dev/stdout, a FIFO) can be written by anybody at any time.
+/// To be called before any file is opened for writing. Throws std::runtime_error, one sentence that names the
+/// file, when a run would overwrite one of its inputs, write two outputs into one file, or has no writable
+/// folder; and, unless `force`, when an output file exists already or an output directory is not empty.
+/// Outputs that are not regular files (/dev/null, /dev/stdout, a FIFO) are always allowed.
 void check_outputs(const RunFiles& files, bool force);
 
 }  // namespace scanlock

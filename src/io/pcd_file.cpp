@@ -20,7 +20,7 @@ std::vector<CloudArray> arrays_of(const PcdHeader& header) {
 
 void read_ascii(TextLines& lines, const PcdHeader& header, const std::vector<CloudArray>& arrays,
                 const PointSink& sink) {
-  // A point takes at least a character for each word and one behind it.
+  // A point takes at least one character and one separator or line end per word.
   if (header.points > (lines.bytes_left() + 1) / (2 * header.point_words))
     lines.fail("the header promises " + std::to_string(header.points) + " points, more than the " +
                std::to_string(lines.bytes_left()) + " bytes that follow can hold: the file is cut short");
@@ -42,7 +42,7 @@ void read_ascii(TextLines& lines, const PcdHeader& header, const std::vector<Clo
   table.hand_on();
 }
 
-/// Point by point.
+/// The points are stored one after another.
 void read_binary(ByteSource& source, const PcdHeader& header, const std::vector<CloudArray>& arrays,
                  const PointSink& sink) {
   CloudTable table(arrays, header.points, sink);
@@ -58,7 +58,7 @@ void read_binary(ByteSource& source, const PcdHeader& header, const std::vector<
   table.hand_on();
 }
 
-/// Field by field, as compressed data lies.
+/// The fields are stored one after another, which is the layout of compressed data.
 void read_fields(const std::vector<std::uint8_t>& bytes, const PcdHeader& header,
                  const std::vector<CloudArray>& arrays, const PointSink& sink) {
   CloudTable table(arrays, header.points, sink);

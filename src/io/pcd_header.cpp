@@ -9,7 +9,7 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-constexpr std::size_t kMaxPointSize = 1u << 20;  // bytes; only to keep sums of sizes from overflowing
+constexpr std::size_t kMaxPointSize = 1u << 20;  // bytes; keeps sums of sizes from overflowing
 
 std::size_t parse_count(const TextLines& lines, const Words& words, std::size_t index) {
   const auto value = index < words.size() ? parse_unsigned(words[index]) : std::nullopt;
@@ -17,7 +17,7 @@ std::size_t parse_count(const TextLines& lines, const Words& words, std::size_t 
   return *value;
 }
 
-/// Fills one member of each field from a line with a word for each.
+/// Sets one member of every field from a header line that has one word per field.
 template <typename Set>
 void for_each_field(const TextLines& lines, const Words& words, PcdHeader& header, Set set) {
   if (header.fields.empty()) lines.fail(std::string(words[0]) + " comes before FIELDS");
@@ -42,7 +42,7 @@ PcdHeader::Data parse_data(const TextLines& lines, const Words& words) {
   lines.fail("unknown DATA; known are ascii, binary and binary_compressed");
 }
 
-/// Where each field lies in a point.
+/// Computes the offset of each field within a point.
 void lay_out(const TextLines& lines, PcdHeader& header) {
   for (PcdField& field : header.fields) {
     field.offset = header.point_size;

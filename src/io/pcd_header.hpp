@@ -15,7 +15,7 @@ struct PcdField {
   std::string name;
   std::size_t size = 4;    ///< bytes of one value
   char type = 'F';         ///< I, U or F
-  std::size_t count = 1;   ///< values a point
+  std::size_t count = 1;   ///< values per point
   std::size_t offset = 0;  ///< bytes from the start of the point
   std::size_t word = 0;    ///< index of its first value among the words of an ascii line
 };
@@ -25,15 +25,15 @@ struct PcdHeader {
   std::vector<PcdField> fields;
   std::size_t points = 0;
   std::size_t point_size = 0;   ///< bytes
-  std::size_t point_words = 0;  ///< numbers of an ascii line
+  std::size_t point_words = 0;  ///< numbers per ascii line
   Data data = Data::kAscii;
 };
 
-/// Reads up to and including the DATA line; fails naming the line.
+/// Reads up to and including the DATA line; throws an error naming the line (TextLines::fail()).
 PcdHeader read_pcd_header(TextLines& lines);
 
-/// The type of a field's values, or nothing for one that no PCD writer knows (then the field is only passed
-/// over).
+/// The scalar type of a field, or nothing for a combination of TYPE and SIZE that PCD does not define (the
+/// field is then skipped).
 std::optional<ScalarType> scalar_type(const PcdField& field);
 
 }  // namespace scanlock

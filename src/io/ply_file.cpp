@@ -10,7 +10,7 @@
 namespace scanlock {
 namespace {
 
-/// For each property the array it goes into. Lists and elements other than `vertex` go nowhere.
+/// The target array of each property; null for lists and unknown properties.
 std::vector<CloudArray> arrays_of(const PlyElement& element) {
   std::vector<CloudArray> arrays;
   for (const PlyProperty& property : element.properties)
@@ -24,14 +24,15 @@ std::string too_short(const PlyElement& element, std::size_t bytes_left) {
          " bytes that follow can hold: the file is cut short";
 }
 
-/// True when `count` rows cannot be there. Divides, so that no hostile count overflows.
+/// True when the bytes left are too few for `count` rows. Divides instead of multiplying, so that a forged
+/// count cannot overflow.
 bool cannot_hold(const PlyElement& element, bool ascii, std::size_t bytes_left) {
   const std::size_t row = element.minimal_row_size(ascii) + (ascii ? 1 : 0);
   const std::size_t missing_newline = ascii ? 1 : 0;  // the last line may lack its end
   return element.minimal_row_size(ascii) > 0 && element.count > (bytes_left + missing_newline) / row;
 }
 
-/// Reads the lines of one element; without a table it only passes over them.
+/// Reads the lines of one element; skips them when `table` is null.
 void read_ascii_rows(TextLines& lines, const PlyElement& element, CloudTable* table) {
   std::vector<double> numbers;
   for (std::size_t row = 0; row < element.count; ++row) {
@@ -60,7 +61,7 @@ void read_ascii_rows(TextLines& lines, const PlyElement& element, CloudTable* ta
   }
 }
 
-/// A cursor over the binary part.
+/// A cursor over the binary rows.
 struct BinaryRows {
   const std::string& path;
   ByteSource& source;
@@ -133,7 +134,7 @@ void parse_ply(const std::string& path, ByteSource& source, const PointSink& sin
       read_ascii_rows(lines, element, table ? &*table : nullptr);
     else
       binary.read(element, table ? &*table : nullptr);
-    if (table) return table->hand_on();  // what comes after the points is of no use to us
+    if (table) return table->hand_on();  // the elements after the points are not used
   }
   lines.fail("the file has no element 'vertex' with properties");
 }

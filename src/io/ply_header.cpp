@@ -72,8 +72,7 @@ bool PlyElement::has_lists() const {
 }
 
 std::size_t PlyElement::minimal_row_size(bool ascii) const {
-  if (ascii)
-    return properties.empty() ? 0 : 2 * properties.size() - 1;  // one character a word, and blanks between
+  if (ascii) return properties.empty() ? 0 : 2 * properties.size() - 1;  // one character per word, and blanks
   std::size_t size = 0;
   for (const PlyProperty& property : properties) size += size_of(property.count_type.value_or(property.type));
   return size;

@@ -13,8 +13,8 @@ namespace scanlock {
 
 struct PlyProperty {
   std::string name;
-  ScalarType type = ScalarType::kFloat32;  ///< of the scalar, or of a list's entries
-  std::optional<ScalarType> count_type;    ///< there for a list
+  ScalarType type = ScalarType::kFloat32;  ///< of the scalar, or of the entries of a list
+  std::optional<ScalarType> count_type;    ///< set for a list only
 };
 
 struct PlyElement {
@@ -23,7 +23,7 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 
   bool has_lists() const;
-  /// The least bytes that one row takes: exact without lists, whose entries may be none.
+  /// The least number of bytes in a row: exact without lists; a list counts as empty.
   std::size_t minimal_row_size(bool ascii) const;
 };
 
@@ -33,7 +33,7 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
 };
 
-/// Reads up to and including end_header; fails naming the line.
+/// Reads up to and including end_header; throws an error naming the line (TextLines::fail()).
 PlyHeader read_ply_header(TextLines& lines);
 
 }  // namespace scanlock

@@ -13,22 +13,22 @@
 
 namespace scanlock {
 
-/// Coordinates as steps of 2^exponent metres: all x, then all y, then all z, of 2 bytes each.
+/// Decodes coordinates in steps of 2^exponent metres, int16: all x, then all y, then all z.
 PointCloud decoded_points(std::string_view bytes, int exponent);
 
 /// The points of a keyframe in a map file.
 class PointsInFile : public StoredPoints {
  public:
   struct Part {
-    std::size_t offset = 0, count = 0;    ///< bytes, points
-    int exponent = 0;                     ///< of the step
-    std::uint32_t before = 0, after = 0;  ///< checksums of the file up to its begin and up to its end
+    std::size_t offset = 0, count = 0;    ///< offset in bytes, number of points
+    int exponent = 0;                     ///< of the step, 2^exponent metres
+    std::uint32_t before = 0, after = 0;  ///< CRC-32 of the file before the points, and up to their end
   };
   PointsInFile(std::shared_ptr<const InputFile> file, const Part& part)
       : file_(std::move(file)), part_(part) {}
 
   std::size_t size() const override { return part_.count; }
-  /// A file may be written over while it is open: what is there now need not be what was loaded.
+  /// Throws PointsUnreadable when the file has been modified in place since the map was loaded.
   PointCloud read() const override;
 
  private:

@@ -9,18 +9,18 @@
 
 namespace scanlock {
 
-/// A bar on standard error, once the work has taken longer than two seconds; nothing when that is no
+/// A progress bar on standard error, shown once the work has taken longer than two seconds, and only on a
 /// terminal.
 class ProgressBar {
  public:
   explicit ProgressBar(std::string label);
-  /// Wipes the bar off the line.
+  /// Erases the bar.
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   void update(std::uint64_t done, std::uint64_t total);
-  /// update() as a value, which the bar has to outlive.
+  /// update() as a function object; the bar must outlive it.
   std::function<void(std::uint64_t, std::uint64_t)> updater() {
     return [this](std::uint64_t done, std::uint64_t total) { update(done, total); };
   }

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMaxSeconds = 9e12;  // so that microseconds fit an int64
+constexpr double kMaxSeconds = 9e12;  // keeps microseconds within an int64
 
 bool is_scan_extension(const std::string& extension) {
   return extension == ".bin" || extension == ".pcd" || extension == ".ply";
@@ -70,7 +70,7 @@ std::string numbered(std::size_t number) {
   return buffer.data();
 }
 
-/// What a ScanDirectoryWriter of that extension left there, and nothing else.
+/// Removes the files that an earlier ScanDirectoryWriter with this extension wrote, and no others.
 void remove_scans(const std::string& directory, const std::string& extension) {
   std::vector<fs::path> ours;
   std::error_code error;

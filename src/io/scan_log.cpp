@@ -20,10 +20,10 @@ void append(std::vector<float>& to, const std::vector<float>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-/// Puts the sectors of one scan together; a scan that comes whole passes through.
+/// Joins the sectors of each scan; scans that arrive as one message pass through.
 class SectorCollector {
  public:
-  /// The scans that are complete after this message, or can no longer become so.
+  /// Passes on the scans that this message completes, and the scans that can no longer be completed.
   template <typename Take>
   void add(DecodedScan&& decoded, const Take& take) {
     if (pending_ && (decoded.sector_count == 1 || decoded.scan.utime != pending_->utime)) flush(take);
@@ -66,8 +66,8 @@ std::string listed(const std::set<std::string>& names) {
   return list.empty() ? " no events" : list;
 }
 
-/// Reads the scans of a channel for as long as `take` returns true. Throws std::runtime_error naming file and
-/// channel when there is none.
+/// Reads the scans of a channel for as long as `take` returns true. Throws std::runtime_error naming the file
+/// and the channel when the channel holds no scan.
 template <typename Take>
 ScanConversion read_scans(const std::string& log_path, const std::string& channel, const Progress& progress,
                           const Take& take) {

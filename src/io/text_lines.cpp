@@ -11,7 +11,7 @@
 namespace scanlock {
 namespace {
 
-/// Not std::string_view::find_first_of(), which calls a function for each character.
+/// Faster than std::string_view::find_first_of(), which calls a function per character.
 bool is_separator(char c) {
   return c == ' ' || c == '\t' || c == ',' || c == '\r' || c == '\v' || c == '\f';
 }
@@ -22,7 +22,7 @@ void skip_separators(std::string_view& text) {
   text.remove_prefix(n);
 }
 
-/// Takes the first word off `text`; an empty word at its end.
+/// Removes the first word from `text` and returns it; empty when no word is left.
 std::string_view take_word(std::string_view& text) {
   skip_separators(text);
   std::size_t n = 0;
@@ -75,7 +75,7 @@ void TextLines::parse_numbers(std::string_view text, std::vector<double>& number
   for (skip_separators(text); !text.empty(); skip_separators(text)) {
     const char* begin = text.data();
     const char* const end = begin + text.size();
-    if (*begin == '+') ++begin;  // which from_chars does not take
+    if (*begin == '+') ++begin;  // from_chars does not accept a plus sign
     double value = 0;
     const auto result = std::from_chars(begin, end, value);
     if ((result.ptr != end && !is_separator(*result.ptr)) || result.ec == std::errc::invalid_argument)

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kTumColumns = 8;
 constexpr std::size_t kKittiColumns = 12;
 constexpr double kRotationTolerance = 1e-3;
-constexpr double kPrintedTolerance = 1e-6;  // a rotation within this is kept digit for digit
+constexpr double kPrintedTolerance = 1e-6;  // a matrix this close to a rotation is stored unchanged
 
 StampedPose tum_pose(const TextLines& lines, const std::vector<double>& v) {
   if (v.size() != kTumColumns)
@@ -48,7 +48,7 @@ StampedPose kitti_pose(const TextLines& lines, const std::vector<double>& v, std
   return stamped;
 }
 
-/// Every line of the file, all of the kind that has that many columns.
+/// Parses every line of the file as a pose with that number of columns.
 Trajectory read_lines(const std::string& path, std::size_t columns) {
   ByteSource source(path);
   TextLines lines(path, source);
@@ -98,7 +98,7 @@ void write_tum(const std::string& path, const Trajectory& trajectory) {
   std::string text;
   for (const StampedPose& stamped : trajectory) {
     Eigen::Quaterniond q(stamped.pose.linear());
-    if (q.w() < 0) q.coeffs() *= -1;  // of the two signs, always the same one
+    if (q.w() < 0) q.coeffs() *= -1;  // q and -q are the same rotation; always write w >= 0
     append(text, "%.6f", stamped.time_s);
     for (int i = 0; i < 3; ++i) append(text, " %.9f", stamped.pose.translation()[i]);
     for (int i = 0; i < 4; ++i) append(text, " %.9f", q.coeffs()[i]);  // x y z w

@@ -12,15 +12,15 @@
 
 namespace scanlock {
 
-/// Bytes that belong to somebody else.
+/// A view of bytes that it does not own.
 struct ByteView {
   const std::uint8_t* data = nullptr;
   std::size_t size = 0;
 };
 
-/// Reads big-endian LCM data member by member and cannot read outside. The first thing that is wrong is kept
-/// as a fault with a sentence naming the member; from then on every read gives zeros, so that a decoder may
-/// be written straight on and ask `ok()` before it acts on what it read (above all: before it allocates).
+/// Reads big-endian LCM data member by member, never past the end. The first error is kept as a fault with a
+/// sentence naming the member; every later read returns zeros. A decoder may therefore read all members in
+/// sequence and check ok() once, before it uses what it read (above all: before it allocates).
 class ByteReader {
  public:
   ByteReader(const std::uint8_t* data, std::size_t size) : data_(data), size_(data == nullptr ? 0 : size) {}
@@ -51,22 +51,22 @@ class ByteReader {
     for (std::size_t i = 0; i < count; ++i) values[i] = read_double(member);
   }
 
-  /// A number of elements that each take at least `bytes_each` bytes further on; 0 unless they can all be
-  /// there.
+  /// Reads a number of elements of at least `bytes_each` bytes each; a fault, and 0, when fewer bytes are
+  /// left than they need.
   std::size_t read_count_i16(const char* member, std::size_t bytes_each);
   std::size_t read_count_i32(const char* member, std::size_t bytes_each);
   std::size_t read_count_i64(const char* member, std::size_t bytes_each);
 
-  /// The next `size` bytes, not copied; empty when there are fewer.
+  /// The next `size` bytes, not copied; a fault, and empty, when fewer are left.
   ByteView read_bytes(std::size_t size, const char* member);
 
-  /// An LCM string: its length with the final zero, its characters, the zero. Not copied.
+  /// An LCM string: its length including the terminating zero, its characters, the zero. Not copied.
   std::string_view read_string(const char* member);
 
-  /// To be called after the last member: bytes that are left over are a fault.
+  /// To be called after the last member: bytes that remain are a fault.
   void expect_end();
 
-  /// Notes a fault found by the caller; only the first one is kept.
+  /// Records a fault found by the caller, unless an earlier one is recorded.
   void fail(DecodeFault fault, std::string error);
 
  private:

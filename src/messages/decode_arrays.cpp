@@ -1,7 +1,8 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
 //
-// Scan types that carry plain arrays: pointcloud_t, the two planar scanners, and our own sector.
+// Scan types that consist of plain arrays: pointcloud_t, the two planar scanners, and scanlock's own
+// scan_sector_t.
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -23,7 +24,7 @@ bool check_point_count(std::size_t count, const char* member, const DecodeLimits
   return reader.ok();
 }
 
-/// Reads elements out of bytes that were already found to be there.
+/// Reads element `index` of an array that the caller has found complete.
 float float_at(ByteView view, std::size_t index) {
   ByteReader reader(view.data + 4 * index, 4);
   return reader.read_float("");
@@ -40,7 +41,7 @@ float finite_or_zero(float value) {
   return std::isfinite(value) ? value : 0.0f;
 }
 
-/// Appends the point unless it is not finite or the origin; says whether it did.
+/// Appends the point unless it is not finite or exactly 0 0 0; returns whether it was appended.
 bool keep_point(float x, float y, float z, DecodedScan& decoded) {
   const bool usable =
       std::isfinite(x) && std::isfinite(y) && std::isfinite(z) && (x != 0 || y != 0 || z != 0);
@@ -51,7 +52,8 @@ bool keep_point(float x, float y, float z, DecodedScan& decoded) {
   return usable;
 }
 
-/// A return of a planar scanner; a range that is not positive, or the number for nothing seen, is no return.
+/// Appends the return of a planar scanner. A range that is not positive, or at least `planar_no_return_m`, is
+/// not a return.
 bool keep_beam(float range, float angle, const DecodeLimits& limits, DecodedScan& decoded) {
   if (!(range > 0 && static_cast<double>(range) < limits.planar_no_return_m)) range = std::nanf("");
   return keep_point(range * cos(angle), range * sin(angle), 0.0f, decoded);
@@ -176,7 +178,8 @@ void decode_scan_sector(ByteReader& reader, const DecodeLimits& limits, DecodedS
   if (reader.ok() &&
       ((time_count != 0 && time_count != count) || (intensity_count != 0 && intensity_count != count)))
     reader.fail(DecodeFault::kBadSize, "`num_times` or `num_intensities` is neither 0 nor `num_points`");
-  // Within a hundred seconds of the stamp: no scan comes near, and no product below leaves a float's range.
+  // At most 100 (metres per count, seconds): far above any scan, and no product below exceeds the range of
+  // float.
   const auto plausible = [](float value) { return std::isfinite(value) && std::abs(value) <= 100.0f; };
   if (reader.ok() && (!(plausible(scale) && scale > 0) || !plausible(time_origin) ||
                       !plausible(time_scale * 32768.0f) || !std::isfinite(intensity_scale)))

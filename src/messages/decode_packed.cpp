@@ -1,7 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
 //
-// The relatives of PointCloud2: the members come in different order, the cloud is the same.
+// The variants of PointCloud2: the same cloud with the members in different order.
 #include <cstdint>
 
 #include "messages/packed_cloud.hpp"
@@ -17,7 +17,7 @@ void read_fields(ByteReader& reader, std::size_t count, PackedCloud& cloud) {
     const std::string_view name = reader.read_string("fields.name");
     const std::int32_t offset = reader.read_i32("fields.offset");
     const int datatype = reader.read_i8("fields.datatype");
-    reader.read_i32("fields.count");  // of no interest: a coordinate is the first of however many
+    reader.read_i32("fields.count");  // not needed: a coordinate is the first value of its field
     if (reader.ok()) cloud.consider_field(name, offset, datatype);
   }
 }
@@ -38,7 +38,7 @@ void decode_pointcloud2(ByteReader& reader, const DecodeLimits& limits, DecodedS
   cloud.row_step = reader.read_i32("row_step");
   const std::size_t data_bytes = reader.read_count_i32("data_nbytes", 1);
   cloud.data = reader.read_bytes(data_bytes, "data");
-  reader.read_u8("is_dense");  // not believed: every point is looked at
+  reader.read_u8("is_dense");  // ignored: every point is checked
   reader.expect_end();
   unpack(cloud, limits, reader, decoded);
 }

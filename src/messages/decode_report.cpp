@@ -14,7 +14,7 @@ std::string sentence(const char* type, const std::string& error) {
   return std::string(type) + ": " + error;
 }
 
-/// Runs `read` behind the fingerprint, which must be `type`.
+/// Runs `read` on the bytes after the fingerprint, which must be `type`.
 template <typename Value, typename Read>
 Decoded<Value> decode_as(std::uint64_t type, const std::uint8_t* data, std::size_t size, Read read) {
   Decoded<Value> decoded;
@@ -278,11 +278,10 @@ Decoded<Command> decode_command(const std::uint8_t* data, std::size_t size) {
     command.kind = read_enum(reader, "command", CommandKind::kLoadMap, CommandKind::kSetPose);
     if (command.kind == CommandKind::kSetPose) {
       command.map_from_body = read_pose(reader, "pos", "quat");
-      constexpr double kFarthest =
-          1e7;  // metres: no place on Earth is farther from another along its surface
+      constexpr double kFarthest = 1e7;  // metres: pole to equator, far beyond any map
       if (!(command.map_from_body.translation().norm() <= kFarthest))
         reader.fail(DecodeFault::kBadField, "`pos` is over 10000 km from the map's origin");
-    } else {  // of no use to this command, and senders leave it zero
+    } else {  // other commands do not use the pose, and senders leave it zero
       double unused[7];
       reader.read_doubles(unused, 7, "pos or quat");
     }

@@ -13,7 +13,7 @@
 
 namespace scanlock {
 
-/// A decoded value, or what was wrong with the message. Never read `value` with a fault.
+/// A decoded value, or the error in the message. Do not read `value` when there is a fault.
 template <typename Value>
 struct Decoded {
   DecodeFault fault = DecodeFault::kNone;
@@ -22,7 +22,7 @@ struct Decoded {
   bool ok() const { return fault == DecodeFault::kNone; }
 };
 
-/// The pose in any of the types that carry one.
+/// The pose of a message of any type that carries one.
 struct PoseReport {
   std::string type;  ///< for instance "bot_core.pose_t"
   std::int64_t utime = 0;
@@ -30,16 +30,16 @@ struct PoseReport {
   std::optional<TrackingState> state;  ///< scanlock.odometry_t only
 };
 
-/// bot_core.ins_t, as far as it can serve as a prior.
+/// bot_core.ins_t: the members that scanlock uses.
 struct AttitudeReport {
   std::int64_t utime = 0;
   Eigen::Quaterniond local_from_body = Eigen::Quaterniond::Identity();
   Eigen::Vector3d gyro = Eigen::Vector3d::Zero();  ///< rad/s
 };
 
-/// Each reads through a bounded reader and never throws but for lack of memory. A pose that is not finite, a
-/// quaternion far from unit length and a number outside its enumeration are faults (kBadField); quaternions
-/// come out normalised.
+/// Each decoder checks every size before it reads, and throws only when memory runs out. A pose that is not
+/// finite, a quaternion whose length is not between 0.9 and 1.1, and a number outside its enumeration are
+/// faults (kBadField). Quaternions are returned normalised.
 
 /// bot_core.pose_t, bot_core.rigid_transform_t, nav_msgs.Odometry, mbot_lcm_msgs.pose2D_t,
 /// scanlock.odometry_t.

@@ -42,7 +42,7 @@ void set_matrix(const Matrix6& from, double (&row_major)[36]) {
   for (int i = 0; i < 36; ++i) row_major[i] = from(i / 6, i % 6);
 }
 
-/// Seconds and nanoseconds of a stamp, rounded down, so that the nanoseconds are never negative.
+/// Seconds and nanoseconds of a stamp. Seconds are rounded down, so that nanoseconds are never negative.
 std_msgs::Time time_of(std::int64_t utime) {
   const std::int64_t microseconds = (utime % 1000000 + 1000000) % 1000000;
   std_msgs::Time time;
@@ -106,7 +106,7 @@ Bytes encode_nav_odometry(const TrackedScan& tracked, const std::string& frame_i
   message.pose.pose.orientation.y = q.y();
   message.pose.pose.orientation.z = q.z();
   message.pose.pose.orientation.w = q.w();
-  // R exp(phi) = exp(R phi) R, and p + R u: both halves of the perturbation turn with the body.
+  // R exp(phi) = exp(R phi) R and p + R u: both halves of the perturbation are rotated by R.
   Matrix6 turn = Matrix6::Zero();
   turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = tracked.map_from_body.rotation();
   set_matrix(turn * tracked.covariance * turn.transpose(), message.pose.covariance);

@@ -18,7 +18,7 @@
 namespace scanlock {
 namespace {
 
-/// The arrays of a cloud that travel as float32, in the order of the fields.
+/// An array of a cloud that is sent as float32. columns_of() gives them in the order of the message's fields.
 struct Column {
   const char* name;
   const std::vector<float>* values;

@@ -19,7 +19,7 @@ constexpr std::size_t kMaxSectors = 32767;
 
 using Order = std::vector<std::uint32_t>;
 
-/// Indices of the points that can be sent, in the order in which the sensor swept them.
+/// Indices of the points that can be sent, in the order of measurement.
 Order sweep_order(const PointCloud& points) {
   Order order;
   order.reserve(points.size());
@@ -41,7 +41,7 @@ std::int16_t to_count(float value, float scale) {
   return static_cast<std::int16_t>(std::clamp(std::lround(value / scale), -32767L, 32767L));
 }
 
-/// Smallest and largest value of the points in the slice.
+/// Smallest and largest value over order[begin] to order[end - 1].
 std::pair<float, float> range_of(const std::vector<float>& values, const Order& order, std::size_t begin,
                                  std::size_t end) {
   float smallest = values[order[begin]], largest = smallest;
@@ -54,7 +54,7 @@ std::pair<float, float> range_of(const std::vector<float>& values, const Order& 
 
 void set_coordinates(const PointCloud& points, const Order& order, std::size_t begin, std::size_t end,
                      scan_sector_t& sector) {
-  float largest = 1.0f;  // metre: finer than 1/32767 m serves nobody
+  float largest = 1.0f;  // metre: a resolution finer than 1/32767 m has no use
   for (const auto* values : {&points.x, &points.y, &points.z}) {
     const auto [low, high] = range_of(*values, order, begin, end);
     largest = std::max({largest, -low, high});

@@ -7,8 +7,8 @@
 
 namespace scanlock {
 
-/// The first eight bytes of every LCM message: a hash of member names and types, not of the struct's name.
-/// `test/messages/fingerprints_test.cpp` holds them against what lcm-gen computes.
+/// The first eight bytes of every LCM message: a hash of the members' names and types; the name of the struct
+/// is not part of it. `test/messages/fingerprints_test.cpp` compares these constants with lcm-gen's.
 namespace fingerprint {
 constexpr std::uint64_t kPointcloud2 = 0x0bcd5ce4bf5a1b4a;      // bot_core.pointcloud2_t
 constexpr std::uint64_t kPointcloud = 0x0d89dc76eb295069;       // bot_core.pointcloud_t
@@ -28,13 +28,13 @@ constexpr std::uint64_t kRecovery = 0x4ddfc198365ba933;         // scanlock.reco
 constexpr std::uint64_t kCommand = 0x12352c27f5965257;          // scanlock.command_t
 }  // namespace fingerprint
 
-/// The fingerprint of a message; 0, which no type has, when it is shorter than eight bytes.
+/// The fingerprint of a message; 0, which no known type has, when it is shorter than eight bytes.
 std::uint64_t message_fingerprint(const std::uint8_t* data, std::size_t size);
 
-/// "bot_core.pose_t" and so on for the types above, nullptr for every other.
+/// "bot_core.pose_t" and so on for the types above, nullptr for any other type.
 const char* type_name(std::uint64_t message_fingerprint);
 
-/// Whether it is one of the types above that hold a scan or a part of one.
+/// Whether the type is one of those above that hold a scan or a sector of a scan.
 bool is_scan_type(std::uint64_t message_fingerprint);
 
 }  // namespace scanlock

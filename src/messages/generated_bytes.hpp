@@ -9,8 +9,8 @@
 
 namespace scanlock {
 
-/// The bytes of a message that we filled ourselves: lcm-gen's encoder is sound when the counts match the
-/// arrays.
+/// Encodes a message with lcm-gen's encoder, which is safe only for messages whose counts match their arrays:
+/// use it for messages filled by scanlock.
 template <typename Message>
 std::vector<unsigned char> generated_bytes(const Message& message) {
   std::vector<unsigned char> bytes(static_cast<std::size_t>(std::max(0, message.getEncodedSize())));
@@ -19,7 +19,7 @@ std::vector<unsigned char> generated_bytes(const Message& message) {
   return bytes;
 }
 
-/// A string as LCM can carry it: without zeros, and short enough for a message under 64 KB.
+/// A string that LCM can encode: without zero bytes, and at most 4096 bytes long.
 inline std::string wire_string(const std::string& text) {
   constexpr std::size_t kMaxLength = 4096;
   std::string result = text.substr(0, kMaxLength);

@@ -38,11 +38,11 @@ Value load(const std::uint8_t* bytes, bool swap) {
   return swap ? load<Value, true>(bytes) : load<Value, false>(bytes);
 }
 
-/// Bytes from the start of the data to each point that was kept.
+/// Bytes from the start of the data to each point that is kept.
 using Offsets = std::vector<std::uint32_t>;
 
-/// Writes the finite points of the cloud one after another, and where they came from. The arrays have room
-/// for all.
+/// Writes the finite points of the cloud to `points` without gaps, and their offsets in the data to
+/// `offsets`. The arrays must have room for all points. Returns the number of points kept.
 template <typename Coordinate, bool kSwap>
 std::size_t unpack_points(const PackedCloud& cloud, PointCloud& points, Offsets& offsets) {
   const std::uint8_t* const data = cloud.data.data;
@@ -64,7 +64,7 @@ std::size_t unpack_points(const PackedCloud& cloud, PointCloud& points, Offsets&
       const bool finite_x = std::isfinite(x), finite_y = std::isfinite(y), finite_z = std::isfinite(z);
       const bool finite = finite_x & finite_y & finite_z;
       const bool origin = (x == 0) & (y == 0) & (z == 0);
-      kept += finite & !origin;  // the next point overwrites one that is not kept: no branch to mispredict
+      kept += finite & !origin;  // the next point overwrites a point not kept: no branch to mispredict
     }
   }
   return kept;
@@ -108,7 +108,7 @@ void fail_size(ByteReader& reader, const std::string& sentence) {
   reader.fail(DecodeFault::kBadSize, sentence);
 }
 
-/// A missing field is fine here; one that does not fit into the point is not.
+/// True when the field is missing or lies within the point; otherwise a fault.
 bool field_fits(const std::optional<PackedField>& field, std::int64_t point_step, ByteReader& reader) {
   if (!field) return true;
   const auto bytes = static_cast<std::int64_t>(datatype_size(field->datatype));
@@ -123,7 +123,7 @@ bool field_fits(const std::optional<PackedField>& field, std::int64_t point_step
   return reader.ok();
 }
 
-/// The sizes, in 64 bits and without an overflow: each factor is below 2^31 before two are multiplied.
+/// Checks the sizes in 64 bits without overflow: each factor is below 2^31 when two are multiplied.
 bool check_sizes(PackedCloud& cloud, const DecodeLimits& limits, ByteReader& reader) {
   const auto max_points = static_cast<std::int64_t>(limits.max_points);
   const auto bytes = static_cast<std::int64_t>(cloud.data.size);
@@ -142,7 +142,7 @@ bool check_sizes(PackedCloud& cloud, const DecodeLimits& limits, ByteReader& rea
                           std::to_string(bytes) + " data bytes");
   } else {
     const std::int64_t packed_row = cloud.width * cloud.point_step;
-    if (cloud.row_step == 0 || cloud.height == 1) cloud.row_step = packed_row;  // often not filled in
+    if (cloud.row_step == 0 || cloud.height == 1) cloud.row_step = packed_row;  // often left unset
     if (cloud.row_step < packed_row || cloud.row_step > bytes) {
       fail_size(reader, "`row_step` is " + std::to_string(cloud.row_step) +
                             ", and a row of `width` x `point_step` takes " + std::to_string(packed_row) +

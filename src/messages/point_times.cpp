@@ -10,11 +10,11 @@
 namespace scanlock {
 namespace {
 
-constexpr double kMaxSecondsFromStamp = 10.0;  // no scan lasts longer
+constexpr double kMaxSecondsFromStamp = 10.0;  // longer than any scan
 
-/// One way to read the numbers: seconds = (number - origin) * scale.
+/// One interpretation of the numbers: seconds = (number - origin) * scale.
 struct Reading {
-  double scale = 1;   ///< seconds a unit
+  double scale = 1;   ///< seconds per unit
   double origin = 0;  ///< in units
   const char* words = "";
 };
@@ -42,7 +42,7 @@ std::string lower(std::string_view name) {
   return result;
 }
 
-/// Splits "time_offset_ns" into "time_offset" and its unit.
+/// Removes the unit from the name: "time_offset_ns" becomes "time_offset". Null when the name has none.
 const Unit* split_unit(std::string& name) {
   const std::size_t underscore = name.rfind('_');
   if (underscore == std::string::npos) return nullptr;
@@ -57,7 +57,7 @@ const Unit* split_unit(std::string& name) {
   return nullptr;
 }
 
-/// Seconds from the instant 0 to the interval [first, last].
+/// Seconds between instant 0 and the interval [first, last]; 0 when it lies inside.
 double distance_to_interval(double first, double last) {
   return std::max({first, -last, 0.0});
 }
@@ -70,7 +70,7 @@ class ReadingChoice {
   void consider_relative(const Unit& unit) { consider({unit.scale, 0, unit.relative}); }
   void consider_absolute(const Unit& unit) {
     const double year_2001 = 1e9,
-                 year_2096 = 4e9;  // without a stamp, only what is surely a time since the epoch
+                 year_2096 = 4e9;  // without a stamp, accept only values that are certainly since the epoch
     const bool surely_epoch = smallest_ * unit.scale > year_2001 && largest_ * unit.scale < year_2096;
     if (utime_ > 0)
       consider({unit.scale, static_cast<double>(utime_) * 1e-6 / unit.scale, unit.absolute});

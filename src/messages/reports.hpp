@@ -10,18 +10,18 @@
 
 namespace scanlock {
 
-/// Milliseconds of each stage of the work on one scan; all zero in a replay, so that its output does not
-/// depend on the machine.
+/// Milliseconds spent in each stage on one scan; all zero in a replay, so that its output does not depend on
+/// the machine.
 struct StageTimes {
   float decode_ms = 0;  ///< checking and unpacking the message
-  float wait_ms = 0;    ///< from there until the worker took the scan
+  float wait_ms = 0;    ///< from the end of decoding until the worker took the scan
   float preprocess_ms = 0;
   float align_ms = 0;
   float map_ms = 0;
   float total_ms = 0;  ///< from arrival to publishing
 };
 
-/// What scanlock.odometry_t says beyond the TrackedScan.
+/// The members of scanlock.odometry_t that are not in TrackedScan.
 struct OdometryContext {
   std::int64_t recv_utime = 0;  ///< microseconds, arrival of the scan
   std::int64_t pub_utime = 0;   ///< microseconds, publishing of the message
@@ -29,18 +29,18 @@ struct OdometryContext {
   std::int32_t scan_seq = 0;
   std::string frame_id = "map";
   std::string child_frame_id = "body";
-  float age_ms = 0;  ///< from the stamp of the scan to the publishing
+  float age_ms = 0;  ///< from the stamp of the scan to publishing
   StageTimes times;
 };
 
-/// A scanlock.odometry_t, decoded.
+/// A decoded scanlock.odometry_t.
 struct OdometryReport {
   TrackedScan tracked;
   OdometryContext context;
 };
 
-/// The contents of scanlock.status_t; each member is explained in lcmtypes/status_t.lcm. Counters count since
-/// the start.
+/// The contents of scanlock.status_t; lcmtypes/status_t.lcm explains each member. Counters count from the
+/// start.
 struct StatusReport {
   std::int64_t utime = 0;
   std::int64_t uptime_us = 0;
@@ -87,7 +87,7 @@ struct StatusReport {
   std::string last_error;
 };
 
-/// The contents of scanlock.recovery_t; each member is explained in lcmtypes/recovery_t.lcm.
+/// The contents of scanlock.recovery_t; lcmtypes/recovery_t.lcm explains each member.
 struct RecoveryReport {
   std::int64_t utime = 0;
   std::int64_t seq = 0;
@@ -109,11 +109,11 @@ struct RecoveryReport {
   float total_ms = 0;
 };
 
-/// The recovery that ended with this scan; `seq` counts them. Without `times` nothing in it depends on the
-/// machine.
+/// The report of a Recovery, that is of an attempt at relocalisation or a loop closure, which ended with this
+/// scan. `seq` counts the reports. Without `times`, the content does not depend on the machine.
 RecoveryReport report_of(const Recovery& recovery, std::int64_t utime, std::int64_t seq, bool times);
 
-/// The contents of scanlock.command_t. The numbers are part of the message contract.
+/// The contents of scanlock.command_t. The numbers are part of the message definition.
 enum class CommandKind : std::int8_t { kSetPose = 1, kReset = 2, kSaveMap = 3, kLoadMap = 4 };
 struct Command {
   std::int64_t utime = 0;

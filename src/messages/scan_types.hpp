@@ -7,8 +7,8 @@
 
 namespace scanlock {
 
-/// One decoder a scan type, for decode_scan alone. The reader stands behind the fingerprint; a fault is noted
-/// there.
+/// One decoder per scan type, called by decode_scan() only. The reader is positioned after the fingerprint;
+/// faults are recorded in it.
 void decode_pointcloud2(ByteReader& reader, const DecodeLimits& limits, DecodedScan& decoded);
 void decode_ros_pointcloud2(ByteReader& reader, const DecodeLimits& limits, DecodedScan& decoded);
 void decode_drake_point_cloud(ByteReader& reader, const DecodeLimits& limits, DecodedScan& decoded);

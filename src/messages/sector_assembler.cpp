@@ -8,14 +8,16 @@
 namespace scanlock {
 namespace {
 
-/// Scans whose late sectors are known for what they are. Stamps cannot tell: clocks step.
+/// Number of recent scans whose late sectors are recognised. Stamps alone do not show that a sector is late:
+/// clocks can step back.
 constexpr std::size_t kRemembered = 16;
 
 void append(std::vector<float>& to, const std::vector<float>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-/// Times and intensities survive only if each slice with points has them: an array is whole or empty.
+/// Times and intensities are kept only if every sector with points has them, since each array of a cloud must
+/// be complete or empty.
 PointCloud joined(const std::map<int, PointCloud>& slices) {
   bool times = true, intensities = true;
   for (const auto& [index, slice] : slices) {
@@ -44,7 +46,7 @@ std::vector<DecodedScan> SectorAssembler::add(DecodedScan decoded) {
   const Key key(decoded.scan.utime, decoded.seq);
   const bool current = waiting_ && !begun_.empty() && key == begun_.back();
   if (!current) {
-    const bool named = key != Key(0, 0);  // a sender that gives neither stamp nor count begins anew each time
+    const bool named = key != Key(0, 0);  // without stamp and count, a sector always begins a new scan
     if (named && std::find(begun_.begin(), begun_.end(), key) != begun_.end()) {
       discard("its scan had gone out already");
       return finished;
