@@ -11,8 +11,9 @@
 namespace scanlock {
 namespace {
 
-/// On Linux a thread has a priority of its own: poses come first where cores are few. Not by more: on a core
-/// that others keep busy, too, a search at 10 did not come to an end in ten seconds.
+/// Lowers the priority of this thread (on Linux, each thread has its own), so that tracking comes first where
+/// cores are few. No lower: at nice 10, on a core that other programs kept busy too, a search did not finish
+/// within ten seconds.
 void step_back() {
   constexpr int kNice = 4;
   setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNice);

@@ -19,8 +19,7 @@ namespace {
 
 std::string to_text(double value) {
   char buffer[40];
-  const auto end =
-      std::to_chars(buffer, buffer + sizeof buffer, value).ptr;  // the shortest that reads back equal
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;  // shortest exact text
   return {buffer, end};
 }
 
@@ -71,7 +70,7 @@ void check_value(const ConfigKey& key, const std::vector<std::string>& values, c
     fail(where, full_name(key),
          "has " + std::to_string(values.size()) + " entries; " + range_text(key) + " are possible");
   }
-  for (const auto& value : values) {  // a list of channels is the only kind of list there is
+  for (const auto& value : values) {  // every list is a list of channels
     if (value.empty() || value.size() > 63)
       fail(where, full_name(key), "\"" + value + "\" is no channel: 1 to 63 characters");
     if (std::count(values.begin(), values.end(), value) > 1)
@@ -260,7 +259,7 @@ Config load_config(const std::string& path) {
 
 namespace {
 
-/// A channel cannot serve two purposes, and what is published here is neither a scan nor a prior.
+/// A channel must not be configured for two purposes; in particular, no output may be an input.
 void check_channels(const DaemonConfig& daemon) {
   std::vector<std::pair<std::string, std::string>> used;  // name, key
   for (const auto& channel : daemon.scan_channels) used.emplace_back(channel, "input.scan_channels");

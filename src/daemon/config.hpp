@@ -12,28 +12,29 @@
 
 namespace scanlock {
 
-/// Where the sensor sits on the body; body axes are x forward, y left, z up.
+/// Pose of the sensor on the body; body axes are x forward, y left, z up.
 struct MountConfig {
-  double x_m = 0, y_m = 0, z_m = 0;                 ///< position of the sensor in the body frame
+  double x_m = 0, y_m = 0, z_m = 0;                 ///< metres, position of the sensor in the body frame
   double roll_deg = 0, pitch_deg = 0, yaw_deg = 0;  ///< R = Rz(yaw) Ry(pitch) Rx(roll), sensor to body
 };
-/// Maps coordinates of the sensor to coordinates of the body.
+/// Transforms coordinates of the sensor to coordinates of the body.
 Pose body_from_sensor(const MountConfig& mount);
 
-/// The values of map.up.
+/// The permitted values of map.up.
 inline constexpr std::array kAxes = {"x", "-x", "y", "-y", "z", "-z"};
 
-/// The map that outlives a run.
+/// The map that is kept from one run to the next.
 struct MapConfig {
-  std::string file;           ///< empty: none is loaded or saved but on command; .ply or .pcd: a bare cloud
-  std::string mode = "auto";  ///< extend, localise, or auto: localise for bare clouds, else extend
-  std::string up = "z";       ///< of a bare cloud: x, y or z, or one of these with a minus
-  double save_period_s = 60;  ///< 0: saved on exit and on command only
+  std::string file;           ///< empty: loaded and saved on command only; .ply or .pcd: a bare cloud
+  std::string mode = "auto";  ///< extend, localise, or auto: localise in a bare cloud, extend otherwise
+  std::string up = "z";       ///< upward axis of a bare cloud: x, y or z, or one of them with a minus
+  double save_period_s = 60;  ///< 0: saved only on exit and on command
 };
 
-/// Everything about scanlockd that is not odometry. The table in `config_keys.cpp` explains each member.
+/// All settings of scanlockd that do not concern odometry. The table in `config_keys.cpp` explains each
+/// member.
 struct DaemonConfig {
-  std::string url;  ///< empty: LCM_DEFAULT_URL, else multicast on this host only
+  std::string url;  ///< empty: LCM_DEFAULT_URL if set, otherwise multicast on this host only
   std::vector<std::string> scan_channels = {"LIDAR"};
   int receive_buffer_bytes = 8388608;
   int max_message_bytes = 64 << 20;
@@ -41,8 +42,8 @@ struct DaemonConfig {
   bool mbot_clockwise = false;
   double planar_no_return_m = 50;
   std::string command_channel = "SCANLOCK_COMMAND";
-  std::string attitude_channel;        ///< bot_core.ins_t; empty: none, as for the next one
-  std::string prior_odometry_channel;  ///< bot_core.pose_t of wheels, legs or whatever else
+  std::string attitude_channel;        ///< bot_core.ins_t; empty: none
+  std::string prior_odometry_channel;  ///< bot_core.pose_t of another odometry (wheels, legs); empty: none
   double silence_warning_s = 5;
 
   std::string out_url;  ///< empty: as `url`, or the default when `url` is a log
@@ -51,12 +52,12 @@ struct DaemonConfig {
   std::string status_channel = "SCANLOCK_STATUS";
   std::string recovery_channel = "SCANLOCK_RECOVERY";
   std::string local_pose_channel = "SCANLOCK_LOCAL_POSE";
-  std::string local_to_map_channel;  ///< empty: not published; so are the next three
+  std::string local_to_map_channel;  ///< empty: not published; the same holds for the next three
   std::string rigid_transform_channel;
   std::string nav_odometry_channel;
   std::string pose2d_channel;
   std::string twist_frame = "local";  ///< of the velocities in bot_core.pose_t: local, body or zero
-  bool predicted_poses = true;        ///< of types that cannot say so; scanlock.odometry_t always comes
+  bool predicted_poses = true;        ///< publish them as types without a state, too, not only odometry_t
   std::string map_frame = "map";
   std::string body_frame = "body";
   double status_period_s = 1;
@@ -64,7 +65,7 @@ struct DaemonConfig {
   MountConfig mount;
   MapConfig map;
 };
-/// `scan_channels` with commas between them.
+/// `scan_channels`, separated by commas.
 std::string scan_channel_names(const DaemonConfig& config);
 
 struct Config {
@@ -72,20 +73,20 @@ struct Config {
   TrackerConfig tracker;
 };
 
-/// What is wrong with a configuration: file, line, key and what is expected, in one line.
+/// An error in a configuration, in one line: file, line, key and the expected value.
 class ConfigError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Reads a TOML file over the defaults. Throws ConfigError for a file that cannot be read, text that is not
-/// TOML, an unknown key, a value of the wrong type or out of range.
+/// Reads a TOML file; keys that it does not set keep their defaults. Throws ConfigError for a file that
+/// cannot be read, text that is not TOML, an unknown key, and a value of the wrong type or out of range.
 Config load_config(const std::string& path);
 
-/// The same for text; `name` stands for the file in errors.
+/// As load_config(), from text; `name` is the file name in errors.
 Config parse_config(const std::string& text, const std::string& name);
 
-/// Checks values that did not come from a file (command line); throws ConfigError naming the key.
+/// Checks values that do not come from a file (command line); throws ConfigError naming the key.
 void check_config(const Config& config);
 
 /// The configuration as TOML, each key with its explanation, unit, range and default; parses back to

@@ -5,7 +5,7 @@
 namespace scanlock {
 namespace {
 
-constexpr double kMaxChannelLength = 63;  // LCM's own limit; longer ones fail to publish
+constexpr double kMaxChannelLength = 63;  // LCM's own limit; publishing on a longer name fails
 
 template <typename T>
 ConfigKey make_key(const char* section, const char* name, T DaemonConfig::*member, const char* unit,

@@ -14,12 +14,12 @@ namespace scanlock {
 template <typename T>
 using Access = std::function<T&(Config&)>;
 
-/// One key of the configuration. The table of all of them is the only list there is: reading, checking and
-/// printing follow it.
+/// One key of the configuration. Reading, checking and printing all use the table config_keys(), the only
+/// list of keys.
 struct ConfigKey {
   std::string section, name, unit;
   double min,
-      max;  ///< inclusive; of a number, of the length of a string, or of the number of strings in a list
+      max;  ///< inclusive; of a number, the length of a string, or the number of strings in a list
   std::string help;
   std::vector<std::string> choices;  ///< of a string; empty: any text
   std::variant<Access<bool>, Access<int>, Access<double>, Access<std::string>,
@@ -27,7 +27,7 @@ struct ConfigKey {
       access;
 };
 
-/// In the order in which they are printed; the keys of one section stand together.
+/// In the order in which they are printed; the keys of a section are adjacent.
 const std::vector<ConfigKey>& config_keys();
 
 }  // namespace scanlock

@@ -14,9 +14,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostCommands = 64;  // that wait; people and scripts send one
+constexpr std::size_t kMostCommands = 64;  // waiting at a time; people and scripts send one
 
-/// How often the publishing thread looks at the stop signal while no scan comes.
+/// How often the publishing thread checks the stop signal while no scan arrives.
 constexpr std::chrono::milliseconds kGlance{50};
 
 /// Throws ConfigError for a URL that can never work.
@@ -58,7 +58,7 @@ void Daemon::replay(const StopSignal& stop) {
 
 void Daemon::serve(StopSignal& stop) {
   Receiver receiver(config_.daemon, inbox_, statistics_, stop);
-  // Whichever stage fails ends the others: none waits for ever for what does not come.
+  // A stage that fails ends the other stages, so that none waits for ever for its input.
   const auto guarded = [&](auto&& stage) {
     try {
       stage();
@@ -105,7 +105,7 @@ void Daemon::publish_until_the_end(const StopSignal& stop) {
   auto next_status = Clock::now();
   manager_.ready();
   while (!finished_.ended()) {
-    if (stop.requested()) inbox_.close();  // the worker finishes the scan at hand, and no other
+    if (stop.requested()) inbox_.close();  // the worker finishes its current scan and takes no other
     const auto now = Clock::now();
     manager_.alive(now, busy());
     if (now >= next_status) {
@@ -118,7 +118,7 @@ void Daemon::publish_until_the_end(const StopSignal& stop) {
       outputs.publish(*finished);
   }
   manager_.stopping();
-  outputs.publish_status();  // the last word
+  outputs.publish_status();  // the final status
 }
 
 }  // namespace scanlock

@@ -18,21 +18,21 @@
 
 namespace scanlock {
 
-/// Scans in, poses out: the pipeline (Intake, Pipeline, Outputs) over a network or a log. Live it has three
-/// threads: one receives and keeps the freshest scan, one tracks, and the caller's own publishes everything;
-/// each hands over through a place for one, so that nothing piles up. A log is replayed in the caller's
-/// thread.
+/// Turns scans into poses: the pipeline (Intake, Pipeline, Outputs) on a network or a log. On a network it
+/// uses three threads: one receives and keeps the newest scan, one tracks, and the caller's thread publishes.
+/// Between two threads at most one scan waits, so that no backlog builds up. A log is replayed in the
+/// caller's thread.
 class Daemon {
  public:
-  /// `version` goes into the status. Loads the configured map, and only then opens the log that is to be
-  /// written. Throws std::runtime_error with a sentence for a configuration that cannot work, and for a map
-  /// or a log that cannot be read or written.
+  /// `version` is published in the status. Loads the configured map before it opens an output log. Throws
+  /// std::runtime_error with a sentence for a configuration that cannot work, and for a map or a log that
+  /// cannot be read or written.
   Daemon(const Config& config, const std::string& version);
 
-  /// Runs until the stop signal, or to the end when the input is a log. On the stop signal the scan at hand
-  /// is finished and published, and the map saved. Throws std::runtime_error with a sentence when the map or
-  /// a log cannot be read or written, or where a log held no scan that could be used; then it has stopped
-  /// all.
+  /// Runs until the stop signal, or to the end of the log when the input is one. On the stop signal the
+  /// current scan is finished and published, and the map is saved. Throws std::runtime_error with a sentence
+  /// when the map or a log cannot be read or written, or when no scan of a log could be used; all threads
+  /// have ended then.
   void run(StopSignal& stop);
 
   Statistics::Report report() const { return statistics_.report(); }
@@ -52,7 +52,7 @@ class Daemon {
   WorkInbox inbox_;
   Slot<FinishedScan> finished_;
   ServiceManager manager_;
-  /// When the worker took the item at hand; the epoch of the clock while it waits for one.
+  /// When the worker took its current item; the epoch of the clock while it waits for an item.
   std::atomic<std::chrono::steady_clock::time_point> busy_since_{std::chrono::steady_clock::time_point{}};
 };
 

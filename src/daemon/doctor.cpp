@@ -26,13 +26,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Grade = Finding::Grade;
 
-constexpr int kEchoBytes = 2000000;  // a scan of 125,000 points at 16 bytes
+constexpr int kEchoBytes = 2000000;  // bytes of a scan of 125,000 points of 16 bytes
 constexpr int kEchoes = 5;
 constexpr std::chrono::milliseconds kEchoPeriod{100}, kListen{2000};
-constexpr std::chrono::milliseconds kEchoPatience{3000};  // a busy machine hears late, and has lost nothing
+constexpr std::chrono::milliseconds kEchoPatience{3000};  // a late echo on a busy machine is not lost
 constexpr std::size_t kMaxHeard = 100;
 
-/// Hears everything that is said, and counts the echoes of our own.
+/// Records every message that arrives, and counts the echoes of the doctor's own messages.
 class Listener {
  public:
   explicit Listener(std::string echo_channel) : echo_channel_(std::move(echo_channel)) {}
@@ -46,7 +46,7 @@ class Listener {
       note(channel, static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
   }
 
-  /// Whether the message is a scan.
+  /// Records a message; returns whether it is a scan.
   bool note(const std::string& channel, const std::uint8_t* data, std::size_t size) {
     if (heard_.size() >= kMaxHeard && heard_.count(channel) == 0) return false;
     HeardChannel& heard = heard_[channel];
@@ -59,7 +59,7 @@ class Listener {
     return heard.holds_scans;
   }
 
-  /// Handles what comes until `duration` has passed or all echoes that were sent are back.
+  /// Handles messages until `duration` has passed, or all awaited echoes have arrived.
   void listen(lcm::LCM& lcm, Clock::duration duration, int echoes_awaited) {
     const auto end = Clock::now() + duration;
     while (Clock::now() < end && (echoes_awaited == 0 || echoes_ < echoes_awaited)) {
@@ -96,7 +96,8 @@ void add(DoctorReport& report, Grade grade, const char* name, std::string detail
   report.findings.push_back({grade, name, std::move(detail), std::move(remedy)});
 }
 
-/// A URL that asks for too little is to blame itself; otherwise the kernel's limit is.
+/// The command that enlarges the buffer: if the URL asks for too little, another URL; otherwise a kernel
+/// setting.
 std::string buffer_remedy(const std::string& url, int wanted) {
   if (wanted >= kEchoBytes) return "sysctl -w net.core.rmem_max=" + std::to_string(wanted);
   const std::size_t begin = url.find("recv_buf_size=");
@@ -159,7 +160,8 @@ void examine_buffer(const std::set<int>& sockets, const std::string& url, Doctor
 
 void examine_echo(lcm::LCM& lcm, Listener& listener, const std::string& channel, const std::set<int>& sockets,
                   DoctorReport& report) {
-  // A second instance speaks, as a driver does: a process does not hear less of itself than of others.
+  // A second LCM instance publishes, as a driver would. A process loses its own messages as often as those of
+  // other processes.
   lcm::LCM speaker(report.url);
   const std::vector<std::uint8_t> message(kEchoBytes, 0x5a);
   for (int i = 0; i < kEchoes && speaker.good(); ++i) {
@@ -177,7 +179,7 @@ void examine_echo(lcm::LCM& lcm, Listener& listener, const std::string& channel,
                                             : buffer_remedy(report.url, wanted_receive_buffer(report.url)));
 }
 
-/// What other channels carry scans, for a sentence.
+/// Names the other channels that carry scans, for a sentence.
 std::string scans_elsewhere(const DoctorReport& report) {
   std::string names;
   for (const HeardChannel& heard : report.heard)
@@ -219,7 +221,7 @@ void examine_channels(lcm::LCM& lcm, Listener& listener, const DaemonConfig& con
   judge_channels(config, "while listening", report);
 }
 
-/// Reads until every scan channel has carried a scan, or to the end.
+/// Reads the log until every scan channel has carried a scan, or to its end.
 void examine_log(const std::string& path, const DaemonConfig& config, DoctorReport& report) {
   Listener listener("");
   try {
@@ -259,7 +261,7 @@ DoctorReport examine(const DaemonConfig& config) {
     examine_route(report.url, report);
     const std::string fault = multicast_fault(multicast_endpoint(report.url));
     if (report.good() && !fault.empty()) add(report, Grade::kFault, "address", fault);
-    if (!report.good()) return report;  // LCM would only print a screenful of its own
+    if (!report.good()) return report;  // LCM would only print a long text of its own
   }
   const int port = is_multicast_url(report.url) ? multicast_endpoint(report.url).port : 0;
   const std::set<int> before = udp_sockets_on(port);

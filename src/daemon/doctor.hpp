@@ -10,21 +10,17 @@
 
 namespace scanlock {
 
-/// One thing the doctor looked at.
+/// The result of one check.
 struct Finding {
-  enum class Grade {
-    kGood,
-    kNote,
-    kFault
-  };  ///< a note is worth knowing; with a fault, no or not all scans come
+  enum class Grade { kGood, kNote, kFault };  ///< kNote: worth knowing; kFault: some or all scans are lost
   Grade grade = Grade::kGood;
   std::string name;    ///< short and fixed, for scripts
   std::string detail;  ///< a sentence
-  std::string remedy;  ///< the exact command that mends it; empty when there is none
+  std::string remedy;  ///< the exact command that corrects it; empty when there is none
 };
 
 struct HeardChannel {
-  std::string name, type;  ///< the type's fingerprint when it is none of ours
+  std::string name, type;  ///< the type's name, or its fingerprint when scanlock does not know it
   bool holds_scans = false;
   int messages = 0;
   std::size_t largest_bytes = 0;
@@ -38,17 +34,18 @@ struct DoctorReport {
   int recv_buf_wanted = 0, recv_buf_granted = 0;  ///< bytes
   std::int64_t rmem_max = 0;                      ///< bytes
   int echoes_sent = 0, echoes_received = 0;
-  std::int64_t kernel_drops = 0;  ///< datagrams, during the echo
+  std::int64_t kernel_drops = 0;  ///< datagrams, during the echo check
 
   bool good() const;
 };
 
-/// Looks at everything that stands between a scan and the daemon: the route, the receive buffer, 2 MB
-/// messages to itself through the configured URL, and who else speaks there. Takes about three seconds.
-/// Reads a log until each scan channel has carried a scan. Throws ConfigError for a URL that can never work.
+/// Checks everything that scans pass through on their way to the daemon: the route, the receive buffer,
+/// messages of 2 MB to itself through the configured URL, and the channels in use. Takes about three seconds.
+/// Of a log, reads until each scan channel has carried a scan. Throws ConfigError for a URL that can never
+/// work.
 DoctorReport examine(const DaemonConfig& config);
 
-/// The report for people: a line a finding, the command that mends it below.
+/// The report as text: one line per finding, followed by the command that corrects it.
 std::string print_report(const DoctorReport& report);
 
 }  // namespace scanlock

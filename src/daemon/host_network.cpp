@@ -20,7 +20,7 @@
 namespace scanlock {
 namespace {
 
-/// A descriptor that closes itself.
+/// A file descriptor that is closed on destruction.
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
@@ -101,7 +101,7 @@ MulticastRoute multicast_route(const MulticastEndpoint& endpoint) {
   address.sin_port = htons(static_cast<std::uint16_t>(endpoint.port));
   if (inet_aton(endpoint.address.c_str(), &address.sin_addr) == 0) return route;
   const Descriptor probe(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  // Connecting a datagram socket sends nothing; it only asks the kernel for the route.
+  // connect() on a datagram socket sends nothing; it only makes the kernel look up the route.
   if (connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) return route;
   sockaddr_in local{};
   socklen_t size = sizeof local;
@@ -110,7 +110,7 @@ MulticastRoute multicast_route(const MulticastEndpoint& endpoint) {
   inet_ntop(AF_INET, &local.sin_addr, text, sizeof text);
   route.exists = true;
   route.local_address = text;
-  // The loopback's own address does not serve for other hosts, so that the kernel may name none.
+  // A route through the loopback may have no source address, since 127.0.0.1 is not valid for other hosts.
   route.on_loopback = local.sin_addr.s_addr == 0 || std::strncmp(text, "127.", 4) == 0;
   return route;
 }

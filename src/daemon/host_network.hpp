@@ -11,34 +11,35 @@
 
 namespace scanlock {
 
-/// What this host's network says about itself. LCM hides its sockets; they are found by looking before and
-/// after.
+/// Queries of this host's network. LCM does not expose its sockets; callers find them by comparing
+/// udp_sockets_on() before and after LCM opens them.
 
 /// Descriptors of the UDP sockets of this process that are bound to `port`.
 std::set<int> udp_sockets_on(int port);
 
-/// Bytes of receive buffer that a socket has, as they were asked for (the kernel counts double).
+/// Receive buffer of a socket in bytes, in the units of setsockopt() (getsockopt() returns the double).
 int granted_receive_buffer(int fd);
-/// Asks past the limit of net.core.rmem_max, which the kernel grants to CAP_NET_ADMIN only; failure is no
-/// error.
+/// Sets a receive buffer beyond net.core.rmem_max, which the kernel permits with CAP_NET_ADMIN only; a
+/// failure is ignored.
 void force_receive_buffer(int fd, int bytes);
 
-/// Datagrams that the kernel dropped at this socket since it was opened; nothing when it cannot be read.
+/// Datagrams that the kernel dropped at this socket since it was opened; nothing when the number is not
+/// available.
 std::optional<std::int64_t> kernel_drops(int fd);
 
-/// A kernel setting such as "net/core/rmem_max".
+/// The number in a kernel setting such as "net/core/rmem_max"; nothing when it cannot be read.
 std::optional<std::int64_t> kernel_setting(const std::string& path);
 
 struct MulticastRoute {
   bool exists = false;
   bool on_loopback = false;
-  std::string local_address;  ///< where packets to the group would leave from
+  std::string local_address;  ///< source address of packets to the group
 };
 MulticastRoute multicast_route(const MulticastEndpoint& endpoint);
 
 bool loopback_is_up();
 
-/// One sentence with the command that mends it, when multicast cannot work now; empty when nothing is wrong.
+/// When multicast cannot work at present, one sentence with the command that corrects it; otherwise empty.
 std::string multicast_fault(const MulticastEndpoint& endpoint);
 
 }  // namespace scanlock

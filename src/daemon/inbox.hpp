@@ -13,9 +13,9 @@
 
 namespace scanlock {
 
-/// What waits for the worker, in the order of arrival: one scan at most, and a few commands. A fresh scan
-/// replaces one that was not taken yet: LCM's own queue keeps the oldest and drops the newest, which makes
-/// poses late. A command is never lost to a scan.
+/// The worker's queue, in the order of arrival: at most one scan, and a few commands. A new scan replaces a
+/// waiting scan: LCM's own queue keeps the oldest and drops the newest, which delays poses. A scan never
+/// displaces a command.
 template <typename Scan, typename Command>
 class Inbox {
  public:
@@ -23,7 +23,7 @@ class Inbox {
 
   explicit Inbox(std::size_t max_commands) : max_commands_(max_commands) {}
 
-  /// Puts `scan` at the end, in place of one that waits; true when there was one. Dropped after `close`.
+  /// Removes a waiting scan and appends `scan`; true when one was removed. After close(), drops `scan`.
   bool replace(Scan scan) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (closed_) return false;
@@ -33,7 +33,8 @@ class Inbox {
     return replaced;
   }
 
-  /// Puts `scan` at the end where no scan waits; false where one does. Dropped after `close`.
+  /// Appends `scan` unless a scan is waiting; false when one is. After close(), drops `scan` and returns
+  /// true.
   bool offer(Scan scan) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (closed_) return true;
@@ -43,7 +44,7 @@ class Inbox {
     return true;
   }
 
-  /// False when too many commands wait, or the inbox is closed.
+  /// Appends a command. False when too many commands wait, or the inbox is closed.
   bool post(Command command) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto waiting =
@@ -67,14 +68,14 @@ class Inbox {
     return item;
   }
 
-  /// No more will come: what is there can still be taken.
+  /// No more items will be added; waiting items can still be taken.
   void finish() {
     const std::lock_guard<std::mutex> lock(mutex_);
     finished_ = true;
     changed_.notify_all();
   }
 
-  /// Ends it now: a scan that waits is dropped, commands that were accepted can still be taken.
+  /// Ends the inbox: a waiting scan is dropped, waiting commands can still be taken.
   void close() {
     const std::lock_guard<std::mutex> lock(mutex_);
     closed_ = true;

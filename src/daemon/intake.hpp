@@ -19,34 +19,34 @@
 
 namespace scanlock {
 
-/// A scan on its way from its message to the tracker.
+/// A decoded scan on its way to the tracker.
 struct ReceivedScan {
   Scan scan;
-  PriorSample prior;            ///< what other sensors say of its instant
-  std::int32_t seq = 0;         ///< the sender's own count; 0 where its type has none
-  std::int64_t recv_utime = 0;  ///< microseconds: its arrival, or in a replay its event's time
+  PriorSample prior;            ///< measurements of other sensors at its stamp
+  std::int32_t seq = 0;         ///< the sender's sequence number; 0 where the type has none
+  std::int64_t recv_utime = 0;  ///< microseconds: time of arrival; in a replay, time of the log event
   std::chrono::steady_clock::time_point arrival;
   double decode_ms = 0;
 };
 
-/// The first stage of the pipeline: message bytes in, scans and commands out. Decodes, joins sectors, stamps
-/// what has no stamp, asks the other sensors, and counts whatever is rejected. What comes out depends on the
-/// messages, their order and their times of arrival alone. For one thread.
+/// The first stage of the pipeline: converts message bytes to scans and commands. Decodes, joins sectors,
+/// stamps scans that have no stamp, adds the measurements of other sensors, and counts rejected messages. The
+/// result depends only on the messages, their order and their times of arrival. To be used by one thread.
 class Intake {
  public:
   using Item = std::variant<ReceivedScan, Command>;
 
   Intake(const DaemonConfig& config, Statistics& statistics);
 
-  /// The work that one message leads to, in order. `utime`: microseconds, its arrival, or in a replay the
-  /// time of its event. Messages of channels that nobody asked for are ignored. Throws for lack of memory
-  /// only.
+  /// The scans and commands that one message produces, in order. `utime`: microseconds, its time of arrival;
+  /// in a replay, the time of its event. Messages on channels that are not configured are ignored. Throws
+  /// only when memory runs out.
   std::vector<Item> take(const std::string& channel, const std::uint8_t* data, std::size_t size,
                          std::int64_t utime);
-  /// At the end of a log: scans that still wait for sectors.
+  /// At the end of a log: the scans that still wait for sectors.
   std::vector<Item> finish(std::int64_t utime);
 
-  /// Of the other sensors that are configured.
+  /// The configured channels of other sensors.
   std::vector<std::string> prior_channels() const { return priors_.channels(); }
 
  private:
@@ -60,10 +60,10 @@ class Intake {
   const std::string command_channel_;
   const DecodeLimits limits_;
   Statistics& statistics_;
-  std::map<std::string, SectorAssembler> assemblers_;  ///< one for each scan channel
-  std::map<std::string, CountWatch> counts_;           ///< likewise
+  std::map<std::string, SectorAssembler> assemblers_;  ///< one per scan channel
+  std::map<std::string, CountWatch> counts_;           ///< one per scan channel
   PriorIntake priors_;
-  std::map<std::string, std::string> times_said_;  ///< by channel; a driver that changes its mind is heard
+  std::map<std::string, std::string> times_said_;  ///< by channel: the last sentence that was logged
 };
 
 }  // namespace scanlock

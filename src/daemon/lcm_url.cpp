@@ -36,7 +36,7 @@ std::string with_receive_buffer(const std::string& url, int bytes) {
   return url + (url.find('?') == std::string::npos ? "?" : "&") + "recv_buf_size=" + std::to_string(bytes);
 }
 
-/// LCM itself only warns of an option that a log does not have: a typing error would play it in real time.
+/// LCM only warns of an unknown option of a log, so that a misspelt `speed` would play the log in real time.
 void check_log_options(const std::string& url) {
   static const std::vector<std::string> kKnown = {"speed", "start_timestamp", "mode"};
   std::size_t begin = url.find('?');

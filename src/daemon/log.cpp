@@ -16,7 +16,7 @@ void log_line(LogLevel level, const std::string& text) {
   for (const char c : text) line += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
   line += '\n';
   const ssize_t written = write(STDERR_FILENO, line.data(), line.size());
-  static_cast<void>(written);  // a log that cannot be written is no reason to stop
+  static_cast<void>(written);  // a failed write to the log does not stop the daemon
 }
 
 bool Throttle::allows(std::chrono::steady_clock::time_point now) {

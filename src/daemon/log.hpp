@@ -8,21 +8,22 @@
 
 namespace scanlock {
 
-/// The numbers are syslog's, which journald understands at the start of a line.
+/// The numbers are syslog's priorities, which journald reads at the start of a line.
 enum class LogLevel { kError = 3, kWarning = 4, kInfo = 6 };
 
-/// One line on standard error, in one write; control characters are replaced.
+/// Prints one line on standard error, in one write; control characters are replaced.
 void log_line(LogLevel level, const std::string& text);
 
-/// Where the sentences of a part of the daemon go: log_line, or nowhere.
+/// Receives the log lines of a part of the daemon: log_line(), or a function that discards them.
 using LogFunction = std::function<void(LogLevel, const std::string&)>;
 
-/// Lets one event through each period and counts the rest.
+/// Passes one event per period and counts the others.
 class Throttle {
  public:
   explicit Throttle(std::chrono::milliseconds period) : period_(period) {}
 
-  /// True when the event at `now` is to be reported; `suppressed` is then the number that was not before it.
+  /// True when the event at `now` is to be reported; suppressed() is then the number of events suppressed
+  /// before it.
   bool allows(std::chrono::steady_clock::time_point now);
   long suppressed() const { return suppressed_; }
 

@@ -29,13 +29,14 @@ Clock::duration period_of(const MapConfig& config) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(config.save_period_s));
 }
 
-/// Rounding apart: a map that was loaded has been moved there and back.
+/// Equal up to rounding: a loaded map has been transformed to another frame and back.
 bool same_pose(const Pose& a, const Pose& b) {
   constexpr double kRounding = 1e-6;  // metres, radians
   return near(a, b, kRounding, kRounding);
 }
 
-/// What never changes of a keyframe. The times of those of a bare cloud are mere numbers.
+/// The members of a keyframe that never change. The utime of a keyframe made from a bare cloud is only an
+/// index.
 using Identity = std::tuple<std::int64_t, float, std::size_t>;
 Identity identity(const ArchivedKeyframe& keyframe) {
   return {keyframe.utime, keyframe.reach, keyframe.points.size()};
@@ -75,7 +76,7 @@ void keep(const std::string& file, const Statistics& statistics) {
   const std::string kept = file + ".old";
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return;
-  std::filesystem::remove(kept, error);  // not written over: a map may have been loaded from it
+  std::filesystem::remove(kept, error);  // not overwritten: a loaded map may still read its points from it
   if (!error) std::filesystem::copy_file(file, kept, error);
   if (error) throw std::runtime_error(kept + ": cannot keep the map before: " + error.message());
   statistics.say(LogLevel::kInfo, file + ": holds another map, which is kept as " + kept);
@@ -113,7 +114,7 @@ std::optional<LoadedMap> MapStore::load_at_start() {
   if (config_.file.empty()) return std::nullopt;
   if (!saved_file_.empty() && !std::filesystem::exists(saved_file_, error) && !error) {
     const std::string folder = std::filesystem::absolute(saved_file_).parent_path();
-    if (access(folder.c_str(), W_OK) != 0)  // better said now than after the drive
+    if (access(folder.c_str(), W_OK) != 0)  // report this at the start, not after the drive
       throw std::runtime_error(saved_file_ + ": cannot be created there: " + std::strerror(errno));
     statistics_.say(LogLevel::kInfo, saved_file_ + ": no map yet; it is written on exit");
     if (saved_file_ == config_.file) return std::nullopt;
@@ -143,9 +144,9 @@ LoadedMap MapStore::load(const std::string& path) const {
   return read(path.empty() ? config_.file : path);
 }
 
-/// A bare cloud is of the body's map frame, all other maps are of the sensor's.
+/// Coordinates of a bare cloud are in the body's map frame, those of all other maps in the sensor's.
 LoadedMap MapStore::read(const std::string& file) const {
-  const InputFile readable(file);  // its error comes before anything is said of it
+  const InputFile readable(file);  // throws before the log announces the file
   LoadedMap loaded;
   loaded.fixed = stays_as_it_is(config_, file);
   const Pose sensor_from_body = body_from_sensor_.inverse();
@@ -159,7 +160,7 @@ LoadedMap MapStore::read(const std::string& file) const {
   } else {
     loaded.map = read_map(file);
     if (file == saved_file_ && is_bare_cloud(config_.file))
-      loaded.map.up = up;  // it has grown out of the cloud; files before version 4 do not tell
+      loaded.map.up = up;  // it was made from the cloud; files before version 4 do not store `up`
   }
   statistics_.say(LogLevel::kInfo, file + ": map loaded: " + described(loaded.map));
   return loaded;
@@ -168,7 +169,7 @@ LoadedMap MapStore::read(const std::string& file) const {
 bool MapStore::is_busy() {
   if (!writing_.valid()) return false;
   if (writing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return true;
-  if (!writing_.get()) written_.reset();  // nobody knows what the file holds
+  if (!writing_.get()) written_.reset();  // the write failed: the content of the file is unknown
   return false;
 }
 

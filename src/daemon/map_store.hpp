@@ -15,45 +15,45 @@
 
 namespace scanlock {
 
-/// Whether a path names a bare cloud, which a map can be made of: .ply or .pcd, in any case.
+/// Whether a path names a bare cloud, from which a map can be made: .ply or .pcd, upper or lower case.
 bool is_bare_cloud(const std::string& path);
 
-/// The unit vector of one of kAxes.
+/// The unit vector of an element of kAxes.
 Eigen::Vector3d axis_of(const std::string& name);
 
-/// Where a map is saved to without being told: the configured file, or the .map beside a bare cloud; empty
-/// where none is configured, and where it stays as it is.
+/// The file for saving without a command: the configured file, or the .map beside a bare cloud; empty when no
+/// file is configured, and when the map is not to be changed (localise).
 std::string saved_map_file(const MapConfig& config);
 
-/// A map to find one's place in.
+/// A map for relocalisation.
 struct LoadedMap {
   SavedMap map;
-  bool fixed = false;  ///< it stays as it is, see Mapper::load
+  bool fixed = false;  ///< it is not changed, see Mapper::load()
 };
 
-/// The daemon's map file. Writing is done in the background, one at a time, so that the disk never holds up
-/// the tracking; what goes wrong there is logged and becomes the last error.
+/// The daemon's map file. Files are written in the background, one at a time, so that the disk never delays
+/// tracking; errors while writing are logged and become the last error of the status.
 class MapStore {
  public:
   MapStore(const Config& config, Statistics& statistics);
 
-  /// What the configured file holds; nothing when none is configured, or there is none yet. Throws
-  /// std::runtime_error for one that cannot be used.
+  /// The map of the configured file; nothing when no file is configured, or the file does not exist yet.
+  /// Throws std::runtime_error for a file that cannot be used.
   std::optional<LoadedMap> load_at_start();
-  /// Throws std::runtime_error naming what is wrong; `path` empty: the configured one.
+  /// Loads a map; an empty `path` means the configured file. Throws std::runtime_error with the reason.
   LoadedMap load(const std::string& path) const;
 
-  /// Begins to write `map`. Throws std::runtime_error when that cannot be begun; once it is written, or could
-  /// not be, the command is counted as taken or rejected. `path` empty: the configured one.
+  /// Starts to write `map`; an empty `path` means the configured file. Throws std::runtime_error when writing
+  /// cannot start. When it ends, the command is counted as taken or rejected.
   void save_on_command(const std::string& path, SavedMap map);
 
-  /// True when the configured period has passed and a periodic save could begin.
+  /// True when the configured period has passed and a periodic save can start.
   bool is_due(std::chrono::steady_clock::time_point now);
-  /// Saves to the configured file in the background, unless that holds these keyframes already.
+  /// Saves to the configured file in the background, unless that file already holds these keyframes.
   void save_if_grown(SavedMap map);
 
-  /// At the end: waits for a save under way, then writes the configured file, unless it holds this map
-  /// already. Throws std::runtime_error when that fails.
+  /// At the end: waits for a running save, then writes the configured file, unless it already holds this map.
+  /// Throws std::runtime_error when that fails.
   void save_at_exit(const SavedMap& map);
 
  private:
@@ -70,9 +70,9 @@ class MapStore {
   const double max_range_m_;
   const int threads_;
   Statistics& statistics_;
-  std::future<bool> writing_;  ///< whether it succeeded; what went wrong was said
+  std::future<bool> writing_;  ///< true on success; errors have been logged
   std::chrono::steady_clock::time_point next_;
-  std::optional<SavedMap> written_;  ///< as the configured file holds it; shares its points with the tracker
+  std::optional<SavedMap> written_;  ///< content of the configured file; shares its points with the tracker
 };
 
 }  // namespace scanlock

@@ -14,17 +14,18 @@
 
 namespace scanlock {
 
-/// Where messages go.
+/// Receives the published messages.
 class MessageSink {
  public:
   virtual ~MessageSink() = default;
-  /// `utime`: microseconds, the time of its event in a log.
+  /// `utime`: microseconds, the time of the event when the sink is a log.
   virtual void send(std::int64_t utime, const std::string& channel, const Bytes& message) = 0;
-  /// Throws std::runtime_error where what was sent did not get there.
+  /// Throws std::runtime_error when sent messages could not be written.
   virtual void close() {}
 };
 
-/// An LCM network, which may come later, or go and come back: what is lost meanwhile is counted and said.
+/// An LCM network, which may become available later, or fail and return: lost messages are counted and
+/// logged.
 class NetworkSink final : public MessageSink {
  public:
   NetworkSink(std::string url, Statistics& statistics);
@@ -39,7 +40,7 @@ class NetworkSink final : public MessageSink {
   std::chrono::steady_clock::time_point next_attempt_{};
 };
 
-/// An LCM log. A write that fails throws std::runtime_error.
+/// An LCM log. Throws std::runtime_error when a write fails.
 class LogSink final : public MessageSink {
  public:
   LogSink(const std::string& path, LogWriter::Mode mode) : writer_(path, mode) {}
@@ -52,7 +53,7 @@ class LogSink final : public MessageSink {
   LogWriter writer_;
 };
 
-/// Throws ConfigError for a URL that can never be published to.
+/// Throws ConfigError for a URL that messages can never be published to.
 std::unique_ptr<MessageSink> open_sink(const std::string& url, Statistics& statistics);
 
 }  // namespace scanlock

@@ -7,9 +7,9 @@
 namespace scanlock {
 namespace {
 
-/// An axis of the body counts as degenerate when a degenerate axis of the sensor has a good part along it.
+/// An axis of the body is degenerate when it is within 60 degrees of a degenerate axis of the sensor.
 std::uint32_t turned_axes(std::uint32_t sensor_axes, const Eigen::Matrix3d& body_from_sensor) {
-  constexpr double kGoodPart = 0.5;  // 60 degrees: at least one body axis is within that of any direction
+  constexpr double kGoodPart = 0.5;  // cos 60 degrees; every direction is within 60 degrees of a body axis
   std::uint32_t body_axes = 0;
   for (int block = 0; block < 2; ++block) {
     for (int sensor = 0; sensor < 3; ++sensor) {
@@ -25,7 +25,7 @@ std::uint32_t turned_axes(std::uint32_t sensor_axes, const Eigen::Matrix3d& body
 }  // namespace
 
 TrackedScan seen_from_body(TrackedScan tracked, const Pose& body_from_sensor) {
-  // P_body = M P_sensor M^-1, hence P_sensor exp(xi) becomes P_body exp(Ad(M) xi).
+  // P_body = M P_sensor M^-1; hence P_sensor exp(xi) becomes P_body exp(Ad(M) xi).
   const Matrix6 to_body = adjoint(body_from_sensor);
   for (Pose* pose : {&tracked.map_from_body, &tracked.local_from_body})
     *pose = body_from_sensor * *pose * body_from_sensor.inverse();

@@ -6,9 +6,9 @@
 
 namespace scanlock {
 
-/// The tracker follows the sensor; the robot wants its body. With the sensor rigidly at `body_from_sensor`,
-/// returns the same result for the body: pose (the map is then where the body first stood), twist,
-/// covariance, degenerate axes.
+/// Converts the tracker's result, which is for the sensor, to the body, on which the sensor is mounted at
+/// `body_from_sensor`: poses (the map frame becomes the first pose of the body), recovery, twist, covariance
+/// and degenerate axes.
 TrackedScan seen_from_body(TrackedScan tracked, const Pose& body_from_sensor);
 
 }  // namespace scanlock

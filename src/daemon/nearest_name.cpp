@@ -7,7 +7,7 @@
 namespace scanlock {
 namespace {
 
-/// Letters to insert, delete or replace to get from one word to the other.
+/// Number of letters to insert, delete or replace to turn one word into the other (Levenshtein distance).
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -27,7 +27,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 std::string nearest_name(const std::string& word, const std::vector<std::string>& names) {
   std::string nearest;
-  std::size_t nearest_distance = std::min<std::size_t>(4, word.size());  // farther ones would be guesses
+  std::size_t nearest_distance = std::min<std::size_t>(4, word.size());  // larger ones would be guesses
   for (const std::string& name : names) {
     const bool begins_so = !word.empty() && name.compare(0, word.size(), word) == 0;
     const std::size_t distance = begins_so ? 0 : edit_distance(word, name);

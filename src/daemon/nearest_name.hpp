@@ -7,8 +7,8 @@
 
 namespace scanlock {
 
-/// The one of `names` that a person probably meant by `word`: one that begins so, else the one that takes the
-/// fewest letters to insert, delete or replace. Empty where that takes more than three, or all of the word.
+/// The element of `names` that a user probably meant by `word`: one that starts with `word`, else the one at
+/// the smallest edit distance. Empty when that distance is more than 3, or not below the length of `word`.
 std::string nearest_name(const std::string& word, const std::vector<std::string>& names);
 
 }  // namespace scanlock

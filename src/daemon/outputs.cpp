@@ -100,10 +100,10 @@ void Outputs::publish_recovery(const Recovery& recovery, std::int64_t utime) {
 
 void Outputs::publish_poses(const TrackedScan& tracked, const OdometryContext& context) {
   send(config_.odometry_channel, encode_odometry(tracked, context));
-  // These types cannot say what a pose is worth.
+  // The messages below cannot mark a pose as predicted.
   if (tracked.method == PoseMethod::kPredicted && !config_.predicted_poses) return;
   send(config_.local_pose_channel, encode_pose(with_pose(tracked, tracked.local_from_body), twist_frame_));
-  if (!tracked.localised) return;  // until a hypothesis in a loaded map is accepted there is no pose in it
+  if (!tracked.localised) return;  // no pose in a loaded map is known before a hypothesis is accepted
   if (!config_.local_to_map_channel.empty()) {
     const Pose map_from_local = tracked.map_from_body * tracked.local_from_body.inverse();
     send(config_.local_to_map_channel, encode_rigid_transform(with_pose(tracked, map_from_local)));

@@ -14,17 +14,17 @@
 
 namespace scanlock {
 
-/// The last stage of the pipeline: finished scans in, messages out. In a replay nothing in a message depends
-/// on this machine, and the status comes by the time of the scans. For one thread.
+/// The last stage of the pipeline: converts finished scans to messages. In a replay, no message depends on
+/// this machine, and the status period is measured by the stamps of the scans. To be used by one thread.
 class Outputs {
  public:
   Outputs(const DaemonConfig& config, const std::string& version, Statistics& statistics, MessageSink& sink,
           Pipeline::Mode mode);
 
-  /// The pose in every form that the configuration names. A scan that was not used is counted and not
-  /// published, but for an empty one, whose pose is predicted.
+  /// Publishes the pose as every type that the configuration names. A scan that was not used is counted but
+  /// not published, except an empty scan, whose pose is predicted.
   void publish(const FinishedScan& finished);
-  /// Live: now. In a replay: at the time of the last scan.
+  /// Publishes the status with the current time; in a replay, with the time of the last scan.
   void publish_status();
 
   TrackingState state() const { return last_.state; }
@@ -46,9 +46,9 @@ class Outputs {
   MessageSink& sink_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::int64_t seq_ = 0, recovery_seq_ = 0;
-  std::int64_t utime_ = 0;                           ///< of the events written just now
-  TrackedScan last_;                                 ///< its state and map figures go into the status
-  std::int64_t first_utime_ = 0, status_utime_ = 0;  ///< of a replay
+  std::int64_t utime_ = 0;                           ///< of the log events being written
+  TrackedScan last_;                                 ///< source of the state and map figures of the status
+  std::int64_t first_utime_ = 0, status_utime_ = 0;  ///< in a replay
 };
 
 }  // namespace scanlock

@@ -57,7 +57,7 @@ FinishedScan Pipeline::process(const ReceivedScan& received) {
     if (auto answer = search_.poll()) mapper_.give(std::move(*answer));
     track(received, &finished);
     if (auto request = mapper_.take_request()) search_.start(std::move(*request));
-  } catch (const std::exception& error) {  // out of memory, at most; the next scan begins anew
+  } catch (const std::exception& error) {  // lack of memory only; tracking restarts with the next scan
     statistics_.complain(std::string("a scan could not be tracked, starting anew: ") + error.what());
     mapper_.reset();
     finished.tracked.verdict = ScanVerdict::kEmpty;
@@ -124,7 +124,7 @@ void Pipeline::execute(const Command& command) {
   }
   statistics_.say(LogLevel::kInfo, what + " taken");
   if (command.kind != CommandKind::kSaveMap)
-    statistics_.count(&Counters::commands);  // else when it is written
+    statistics_.count(&Counters::commands);  // a saved map is counted when it is written
 }
 
 void Pipeline::attempt(const Command& command) {

@@ -19,46 +19,46 @@
 
 namespace scanlock {
 
-/// A scan that the pipeline is done with, on its way out.
+/// A scan that the pipeline has finished, ready to be published.
 struct FinishedScan {
-  TrackedScan tracked;  ///< already seen from the body
+  TrackedScan tracked;  ///< for the body, see seen_from_body()
   std::int32_t scan_seq = 0;
   std::int64_t recv_utime = 0;  ///< microseconds, see ReceivedScan
   std::chrono::steady_clock::time_point arrival;
-  StageTimes times;  ///< total_ms is filled in at the publishing
+  StageTimes times;  ///< Outputs sets total_ms when it publishes
 };
 
-/// The middle stage of the pipeline, between Intake and Outputs: tracks scans and does between two of them
-/// what is commanded. Live, searches run beside it; in a replay at once, so that what comes out depends on
-/// the scans and commands alone. For one thread.
+/// The middle stage of the pipeline, between Intake and Outputs: tracks scans, and executes commands between
+/// two scans. Searches run in parallel with tracking; in a replay they run in this thread, so that the result
+/// depends on the scans and commands alone. To be used by one thread.
 class Pipeline {
  public:
   enum class Mode : std::int8_t { kLive, kReplay };
 
-  /// Loads the configured map. Throws std::runtime_error with a sentence when that is damaged.
+  /// Loads the configured map. Throws std::runtime_error with a sentence when the map cannot be used.
   Pipeline(const Config& config, Statistics& statistics, Mode mode);
 
   FinishedScan process(const ReceivedScan& received);
-  /// What came of it is counted, and explained where it was rejected.
+  /// Executes a command. The result is counted; the reason for a rejection is logged.
   void execute(const Command& command);
-  /// Saves the map in the background when that is due.
+  /// Saves the map in the background when the configured period has passed.
   void save_map_when_due();
   /// At the end: saves the configured map. Throws std::runtime_error with a sentence when that fails.
   void finish();
 
-  /// In the frame of the poses that it tells.
+  /// The map around the robot, in the frame of the published poses.
   PointCloud map() const { return moved(mapper_.map(), body_from_sensor_); }
 
   enum class Part : std::int8_t {
-    kAll,    ///< the submap that the robot is in, and those before it
-    kFirst,  ///< the map that was given, and what has become one with it since
+    kAll,    ///< the active submap and all earlier ones
+    kFirst,  ///< the given map, and the submaps that have been joined to it
   };
-  /// What is archived, likewise; thinned to `voxel` metres.
+  /// The points of all archived keyframes, in the frame of the published poses, thinned to `voxel` metres.
   PointCloud archived(float voxel, Part part) const;
 
-  /// For trajectories that are written at the end: see Mapper.
+  /// Needed for correction(): see Mapper.
   void keep_history() { mapper_.keep_history(); }
-  /// What leads from a pose of the body as it was told to where the map puts it now.
+  /// The correction of a published pose of the body in the map as it is now: correction * published.
   Pose correction(std::uint32_t stamp) const;
 
  private:

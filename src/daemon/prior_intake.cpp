@@ -7,7 +7,7 @@
 namespace scanlock {
 namespace {
 
-constexpr int kPatience = 20;  // scans, until a sensor that never spoke is missed
+constexpr int kPatience = 20;  // scans without any message before a sensor is reported as missing
 
 std::optional<std::string> complaint(const std::string& channel, PriorBuffer::Addition addition,
                                      std::int64_t utime) {

@@ -12,23 +12,23 @@
 
 namespace scanlock {
 
-/// The messages of other sensors on their way to a scan. What it says depends on the messages and the scans
-/// in their order alone: for the one thread that receives both.
+/// Collects the messages of other sensors and interpolates them at the stamps of scans. The result depends on
+/// the messages and scans and their order alone: to be used by the one thread that receives both.
 class PriorIntake {
  public:
   explicit PriorIntake(const DaemonConfig& config);
 
-  /// The channels that are configured.
+  /// The configured channels.
   std::vector<std::string> channels() const;
 
-  /// Takes a message of one of them; a sentence when it is of no use.
+  /// Takes a message of a configured channel; returns a sentence when the message cannot be used.
   std::optional<std::string> take(const std::string& channel, const std::uint8_t* data, std::size_t size);
 
   struct Reading {
     PriorSample sample;
-    std::string fault;  ///< a sentence when a configured sensor says nothing of this scan, or empty
+    std::string fault;  ///< a sentence when a configured sensor has no measurement for this scan, or empty
   };
-  /// What they say of the instant at which a scan is stamped.
+  /// The measurements of these sensors at the stamp of a scan.
   Reading read(std::int64_t scan_utime);
 
  private:

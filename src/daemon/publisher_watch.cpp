@@ -5,14 +5,15 @@
 namespace scanlock {
 namespace {
 
-constexpr int kProof = 10;      // in a row that have to say so
-constexpr int kSilence = 1000;  // scans
+constexpr int kProof = 10;      // observations in a row that indicate two publishers
+constexpr int kSilence = 1000;  // scans between two reports
 
 }  // namespace
 
 bool CountWatch::interleaves(std::int32_t count, bool sector) {
   if (sector && count == last_[1]) return false;
-  // Of one sender, a count goes on from the last one; of two, from the one before that.
+  // With one sender, a count follows the last one; with two senders in turn, it follows the one before the
+  // last.
   const std::int64_t ahead = static_cast<std::int64_t>(count) - last_[0];
   const bool other = count != 0 && (ahead == 1 || (sector && ahead == 0));
   last_ = {last_[1], count};
@@ -26,7 +27,7 @@ std::string CountWatch::counts() const {
 
 std::optional<std::string> PublisherWatch::look(const TrackedScan& tracked) {
   if (tracked.verdict == ScanVerdict::kTracked) {
-    // The map is of one of two places: one scan fits, the next one does not, the next one fits again.
+    // With publishers at two places, the map is of one of them: every other scan fits the map.
     const bool fits = tracked.method == PoseMethod::kIcp;
     alternations_ = fits != fitted_ ? alternations_ + 1 : 0;
     fitted_ = fits;

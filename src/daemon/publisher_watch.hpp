@@ -11,16 +11,17 @@
 
 namespace scanlock {
 
-// Two publishers on one channel are as common a mistake as a log that is replayed beside a live driver. They
-// show in their counts of scans, in stamps of two clocks, or in that every other scan is of another place.
+// Two publishers on one channel are a common mistake, for instance a log that is replayed beside a live
+// driver. They can be recognised by their sequence numbers, by stamps of two clocks, or because every other
+// scan is of another place.
 
-/// By the counts, which senders number their scans with.
+/// Recognises two publishers by the sequence numbers of their scans.
 class CountWatch {
  public:
-  /// The count of one more message, 0 where its type has none; of a sector, that of its scan. True when for
-  /// ten messages in a row the counts have been those of two senders in turn.
+  /// Takes the sequence number of one message (0 where its type has none; of a sector, that of its scan).
+  /// True when the numbers of the last ten messages alternate between two senders.
   bool interleaves(std::int32_t count, bool sector);
-  /// The last two, for a sentence.
+  /// The last two sequence numbers, for a sentence.
   std::string counts() const;
 
  private:
@@ -28,15 +29,15 @@ class CountWatch {
   int interleaved_ = 0;
 };
 
-/// By what became of the scans.
+/// Recognises two publishers by the results of tracking.
 class PublisherWatch {
  public:
-  /// A sentence when two publishers were found out by this scan; the next one comes after many scans only.
+  /// A sentence when this scan shows that there are two publishers; repeated only after 1000 scans.
   std::optional<std::string> look(const TrackedScan& tracked);
 
  private:
-  int silence_ = 0;      ///< scans until it may speak again
-  bool fitted_ = false;  ///< the scan before
+  int silence_ = 0;      ///< scans until the next report is permitted
+  bool fitted_ = false;  ///< whether the previous scan fitted the map
   int alternations_ = 0;
 };
 

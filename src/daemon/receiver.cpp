@@ -15,10 +15,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// LCM's own queue keeps the oldest; it stays short because the handler is quick. The sectors of a whole scan
-/// may come in one burst and have to fit (0 would mean no limit).
+/// Messages in LCM's own queue, which drops the newest when it is full. The queue stays short because the
+/// handler is quick, but the sectors of a whole scan may arrive in one burst and have to fit. (0 would mean
+/// no limit.)
 constexpr int kQueueCapacity = 64;
-constexpr int kPriorCapacity = 1000;  // small messages, a thousand a second at most
+constexpr int kPriorCapacity = 1000;  // small messages, at most a thousand per second
 constexpr std::chrono::milliseconds kFirstRetry{250}, kLastRetry{8000};
 constexpr std::chrono::milliseconds kSocketPeriod{500};
 
@@ -40,7 +41,7 @@ void Receiver::run() {
     listen(*lcm);
     watch_sockets();
     sockets_.clear();
-    if (stop_.wait_for(kFirstRetry)) break;  // the link broke: a new one after a breath
+    if (stop_.wait_for(kFirstRetry)) break;  // the connection broke: reconnect after a pause
   }
   inbox_.finish();
 }
@@ -65,8 +66,8 @@ std::unique_ptr<lcm::LCM> Receiver::connect() {
 }
 
 std::unique_ptr<lcm::LCM> Receiver::try_connect() {
-  // LCM 1.3.1 prints a screenful for a missing route at each attempt; we know the answer and say it in one
-  // line.
+  // Without a route, LCM 1.3.1 prints a screenful of text at each attempt; connect() reports the cause in one
+  // line instead.
   if (is_multicast_url(url_) && !multicast_fault(multicast_endpoint(url_)).empty()) return nullptr;
   const int port = is_multicast_url(url_) ? multicast_endpoint(url_).port : 0;
   const std::set<int> before = udp_sockets_on(port);
@@ -111,12 +112,12 @@ void Receiver::listen(lcm::LCM& lcm) {
   auto next_look = Clock::now() + kSocketPeriod;
   while (!stop_.requested()) {
     const int fd = lcm.getFileno();
-    if (fd < 0) {  // tcpq without a server: handle() tries to connect, and says so itself
+    if (fd < 0) {  // tcpq without a server: handle() tries to connect and prints its own messages
       if (lcm.handle() < 0) return;
       continue;
     }
     const auto event = stop_.wait_for_input(fd, kSocketPeriod);
-    if (event == StopSignal::Event::kInput && lcm.handle() < 0) return;  // the link broke
+    if (event == StopSignal::Event::kInput && lcm.handle() < 0) return;  // the connection broke
     if (Clock::now() >= next_look) {
       watch_sockets();
       next_look = Clock::now() + kSocketPeriod;
@@ -138,7 +139,7 @@ void Receiver::on_message(const lcm::ReceiveBuffer* buffer, const std::string& c
 }
 
 void Receiver::hand_over(ReceivedScan&& scan) {
-  const bool empty = scan.scan.points.empty();  // it must not take the place of one that is good
+  const bool empty = scan.scan.points.empty();  // an empty scan must not replace a usable one
   if (empty ? !inbox_.offer(std::move(scan)) : inbox_.replace(std::move(scan)))
     statistics_.count(&Counters::replaced);
 }

@@ -17,14 +17,14 @@ namespace scanlock {
 
 using WorkInbox = Inbox<ReceivedScan, Command>;
 
-/// The thread that receives from LCM: gives messages to the intake, and the working thread the freshest scan
-/// and all commands.
+/// The thread that receives from LCM: passes messages to the intake, and the newest scan and all commands to
+/// the working thread.
 class Receiver {
  public:
   Receiver(const DaemonConfig& config, WorkInbox& inbox, Statistics& statistics, const StopSignal& stop);
 
-  /// The thread's body: until the stop signal. What may mend itself is tried again; throws std::runtime_error
-  /// for a URL that LCM will never take.
+  /// The thread's function; runs until the stop signal. Temporary failures are retried; throws
+  /// std::runtime_error for a URL that LCM will never accept.
   void run();
 
  private:
@@ -44,7 +44,7 @@ class Receiver {
   Statistics& statistics_;
   const StopSignal& stop_;
   Intake intake_;
-  std::set<int> sockets_;           ///< those that LCM receives with
+  std::set<int> sockets_;           ///< the sockets through which LCM receives
   std::int64_t drops_counted_ = 0;  ///< of `sockets_`
 };
 

@@ -58,7 +58,7 @@ void Replay::run(const StopSignal& stop, const ScanObserver& observer,
     if (progress) progress(reader_.position(), reader_.file_size());
   }
   if (!stop.requested()) handle(intake_.finish(utime), observer);
-  outputs_.publish_status();  // the last word
+  outputs_.publish_status();  // the final status
 }
 
 void Replay::handle(std::vector<Intake::Item> items, const ScanObserver& observer) {
@@ -75,11 +75,12 @@ void Replay::handle(std::vector<Intake::Item> items, const ScanObserver& observe
   }
 }
 
-/// In the pace of the recording, where that is asked for. False when the stop signal came.
+/// Waits until the event is due at the configured speed; does not wait at speed 0. False when the stop signal
+/// came.
 bool Replay::wait_for(const LogEvent& event, const StopSignal& stop) {
   if (!(options_.speed > 0)) return true;
   const auto now = Clock::now();
-  // A recording whose clock steps is not waited for: it goes on from there.
+  // When the recording's clock steps by more than 60 s, there is no wait; the pace restarts at this event.
   const double since = 1e-6 * (static_cast<double>(event.utime) - static_cast<double>(begin_utime_));
   const std::chrono::duration<double> ahead(since / options_.speed -
                                             std::chrono::duration<double>(now - begin_).count());

@@ -17,21 +17,21 @@
 
 namespace scanlock {
 
-/// How an LCM log is played.
+/// Options for playing an LCM log.
 struct ReplayOptions {
   std::string log_path;
-  double speed = 0;              ///< times as fast as it was recorded; 0: as fast as the machine goes
-  std::int64_t first_utime = 0;  ///< microseconds: events before are left out
+  double speed = 0;              ///< multiple of the recorded speed; 0: as fast as the machine can
+  std::int64_t first_utime = 0;  ///< microseconds: earlier events are skipped
 };
-/// As LCM itself reads a file:// URL: in the time of the recording unless it says ?speed=0. Throws
+/// As LCM itself reads a file:// URL: at the recorded speed unless the URL contains ?speed=. Throws
 /// ConfigError.
 ReplayOptions replay_options(const std::string& url);
 
-/// Told about every scan, used or not, and the milliseconds that it took from its message to its pose.
+/// Called for every scan, used or not, with the milliseconds from its message to its pose.
 using ScanObserver = std::function<void(const FinishedScan&, double)>;
 
-/// The pipeline over an LCM log: every scan, in order, in the caller's thread. What comes out depends on the
-/// log and the configuration alone.
+/// Runs the pipeline on an LCM log: every scan, in order, in the caller's thread. The result depends only on
+/// the log and the configuration.
 class Replay {
  public:
   /// Throws std::runtime_error with a sentence for a log that cannot be read. The references must outlive
@@ -39,13 +39,14 @@ class Replay {
   Replay(const ReplayOptions& options, const Config& config, const std::string& version, Pipeline& pipeline,
          Statistics& statistics, MessageSink& sink);
 
-  /// To the end of the log, or until the stop signal. `progress`: bytes done and in all; may be empty.
+  /// Runs to the end of the log, or until the stop signal. `progress`: bytes done, and bytes in total; may be
+  /// empty.
   void run(const StopSignal& stop, const ScanObserver& observer,
            const std::function<void(std::uint64_t, std::uint64_t)>& progress);
 
-  /// A sentence on the state of the log; empty where it is whole.
+  /// A sentence on the damage of the log; empty when it has none.
   std::string damage() const;
-  /// Why no scan could be used; empty where one was.
+  /// The reason why no scan could be used; empty when one was used.
   std::string why_no_scan() const;
 
  private:
@@ -60,10 +61,10 @@ class Replay {
   Intake intake_;
   Pipeline& pipeline_;
   Outputs outputs_;
-  std::int64_t begin_utime_ = 0;  ///< of the first event that was played, and when it was
+  std::int64_t begin_utime_ = 0;  ///< of the first event played, and (begin_) when it was played
   std::chrono::steady_clock::time_point begin_{};
   std::map<std::string, std::string>
-      other_scans_;  ///< channels that nobody listens to, but carry scans; and types
+      other_scans_;  ///< channels with scans that are not configured, and their types
 };
 
 }  // namespace scanlock

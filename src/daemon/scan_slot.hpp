@@ -10,14 +10,13 @@
 
 namespace scanlock {
 
-/// A place for one thing between two threads. Live, the newest replaces what was not taken yet: LCM's own
-/// queue keeps the oldest and drops the newest, which makes poses late. In a replay, nothing is lost: the
-/// giver waits.
+/// Passes values between two threads, one at a time. replace() overwrites a value that was not taken yet, so
+/// that the reader gets the newest; put() waits until it has been taken, so that none is lost.
 template <typename T>
 class Slot {
  public:
-  /// Puts `value`, replacing what is there; true when something was replaced. After `close` the value is
-  /// dropped.
+  /// Stores `value`, replacing a value that was not taken; true when one was replaced. After close(), drops
+  /// `value`.
   bool replace(T value) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (closed_) return false;
@@ -27,7 +26,7 @@ class Slot {
     return replaced;
   }
 
-  /// Waits until the place is free, then puts `value`; false when the slot was closed instead.
+  /// Waits until the slot is empty, then stores `value`; false when the slot was closed.
   bool put(T value) {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait(lock, [this] { return closed_ || !value_; });
@@ -44,27 +43,27 @@ class Slot {
     return take_locked();
   }
 
-  /// As `take`, but gives up at `deadline`: ask `ended` to tell the reasons apart.
+  /// As take(), but returns nothing at `deadline`; ended() then distinguishes the reasons.
   std::optional<T> take_until(std::chrono::steady_clock::time_point deadline) {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait_until(lock, deadline, [this] { return closed_ || finished_ || value_; });
     return take_locked();
   }
 
-  /// Nothing is there and nothing will come.
+  /// True when the slot is empty and no value will follow.
   bool ended() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return closed_ || (finished_ && !value_);
   }
 
-  /// No more will come: what is there can still be taken.
+  /// No more values will follow; a stored value can still be taken.
   void finish() {
     const std::lock_guard<std::mutex> lock(mutex_);
     finished_ = true;
     changed_.notify_all();
   }
 
-  /// Ends it now: whoever waits is woken, what is there is dropped.
+  /// Ends the slot: waiting threads are woken, a stored value is dropped.
   void close() {
     const std::lock_guard<std::mutex> lock(mutex_);
     closed_ = true;

@@ -7,31 +7,31 @@
 
 namespace scanlock {
 
-/// The daemon's side of sd_notify(3): a datagram to the socket that NOTIFY_SOCKET names, for each message.
-/// Where no service manager asks for them, and where it does not take them, nothing happens.
+/// The daemon's side of sd_notify(3): sends each message as a datagram to the socket named by NOTIFY_SOCKET.
+/// Without that variable, or when the socket does not accept the datagram, nothing happens.
 class ServiceManager {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// From NOTIFY_SOCKET, WATCHDOG_USEC and WATCHDOG_PID of the environment.
+  /// Reads NOTIFY_SOCKET, WATCHDOG_USEC and WATCHDOG_PID from the environment.
   ServiceManager();
   ~ServiceManager();
   ServiceManager(const ServiceManager&) = delete;
   ServiceManager& operator=(const ServiceManager&) = delete;
 
-  /// The map is loaded, and scans are listened for.
+  /// To be called when the map is loaded and the daemon receives.
   void ready();
   void stopping();
-  /// To be called several times a second: tells four times in a watchdog period that the daemon works, unless
-  /// the item at hand has been worked on for a whole period (`busy`).
+  /// To be called several times a second. Reports four times per watchdog period that the daemon works,
+  /// unless the worker has been busy with one item for longer than a whole period (`busy`).
   void alive(Clock::time_point now, Clock::duration busy);
 
  private:
   void send(const std::string& message) const;
 
   int socket_ = -1;
-  std::string address_;                    ///< sun_path; begins with a zero byte where it is abstract
-  std::chrono::microseconds watchdog_{0};  ///< 0: none
+  std::string address_;                    ///< sun_path; an abstract address begins with a zero byte
+  std::chrono::microseconds watchdog_{0};  ///< watchdog period; 0: none
   Clock::time_point next_alive_{};
 };
 

@@ -10,13 +10,13 @@
 
 namespace scanlock {
 
-/// Notices that no usable scan comes, and says why that may be: the most common complaint about a daemon on
-/// LCM is that it stays silent. The warning is repeated at doubling intervals.
+/// Detects that no usable scan arrives, and logs the probable cause: silence without a reason is the most
+/// common complaint about a daemon on LCM. The interval between warnings doubles.
 class SilenceWatch {
  public:
   SilenceWatch(std::string channels, double patience_s, std::chrono::steady_clock::time_point now);
 
-  /// A line to log, if there is one to say now: a warning, or that the scans are back.
+  /// A line to log: a warning, or that scans arrive again.
   struct Line {
     bool warning;
     std::string text;
@@ -29,7 +29,7 @@ class SilenceWatch {
   std::string channels_;
   std::chrono::duration<double> patience_, next_warning_;
   std::chrono::steady_clock::time_point last_usable_;
-  Counters then_;  ///< as they stood at the last usable scan
+  Counters then_;  ///< the counters at the last usable scan
   bool silent_ = false;
 };
 

@@ -15,7 +15,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kRateWindow{5};
 constexpr std::size_t kLatencies = 1000;
 constexpr std::size_t kMaxErrorLength = 400;
-constexpr std::chrono::seconds kComplaintPeriod{10};  // at hundreds a second one would hide all others
+constexpr std::chrono::seconds kComplaintPeriod{10};  // hundreds per second would hide all other lines
 
 bool is_rejection(std::int64_t Counters::*counter) {
   Counters one;
@@ -117,7 +117,7 @@ void Statistics::count_verdict(const TrackedScan& tracked) {
   const std::string scan = "the scan of utime " + std::to_string(tracked.utime) + " was not used: ";
   switch (tracked.verdict) {
     case ScanVerdict::kTracked:
-      return;  // counted when its pose is published
+      return;  // counted in count_published()
     case ScanVerdict::kEmpty:
       return complain(&Counters::empty, scan + tracked.why);
     case ScanVerdict::kDuplicateTime:

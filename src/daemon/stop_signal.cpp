@@ -16,7 +16,7 @@
 namespace scanlock {
 namespace {
 
-constexpr std::int64_t kLongestPoll = 3600000;  // milliseconds; poll counts them in an int
+constexpr std::int64_t kLongestPoll = 3600000;  // milliseconds; poll() takes them as an int
 
 }  // namespace
 
@@ -32,7 +32,7 @@ void StopSignal::request() {
   requested_ = true;
   const std::uint64_t one = 1;
   const ssize_t written = write(event_fd_, &one, sizeof one);
-  static_cast<void>(written);  // it can only fail because the request stands already
+  static_cast<void>(written);  // it fails only when a request is pending already
 }
 
 bool StopSignal::wait_for(std::chrono::milliseconds duration) const {

@@ -7,10 +7,10 @@
 
 namespace scanlock {
 
-/// "Please end now", for threads that wait on descriptors or on time. Once requested, it stays so.
+/// A request to end, for threads that wait for descriptors or for time. It cannot be withdrawn.
 class StopSignal {
  public:
-  /// Throws std::runtime_error when the system gives no descriptor.
+  /// Throws std::runtime_error when the system has no free descriptor.
   StopSignal();
   ~StopSignal();
   StopSignal(const StopSignal&) = delete;
@@ -22,10 +22,9 @@ class StopSignal {
   /// Waits for the request; true when it came within `duration`.
   bool wait_for(std::chrono::milliseconds duration) const;
 
-  /// What `wait_for_input` saw first.
+  /// The event that wait_for_input() saw first.
   enum class Event { kStop, kInput, kTimeout };
-  /// Waits until `fd` can be read, the request comes or `duration` has passed. A negative `fd` is not waited
-  /// for.
+  /// Waits until `fd` is readable, the request comes, or `duration` has passed. A negative `fd` is ignored.
   Event wait_for_input(int fd, std::chrono::milliseconds duration) const;
 
  private:
