@@ -9,14 +9,14 @@
 
 namespace scanlock {
 
-/// What of a world has been moved since it was made. Its draws leave those of the world alone, so that all
-/// else stands where it would without it.
+/// Decides which movable objects of a world have been moved since it was made. Uses random numbers of its
+/// own, so that all other objects stand where they would without changes.
 class Changes {
  public:
   Changes(std::uint64_t world_seed, const Visit& visit)
       : share_(visit.moved), random_(visit.seed.value_or(world_seed), 2) {}
 
-  /// Whether the next thing has been.
+  /// Whether the next movable object has been moved.
   bool next() { return share_ > 0 && random_.chance(share_); }
   Random& random() { return random_; }
 

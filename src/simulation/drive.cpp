@@ -15,14 +15,14 @@ namespace scanlock {
 namespace {
 
 constexpr double kKnot = 0.05;   // seconds between knots
-constexpr double kMargin = 1.0;  // seconds that the motion is defined before its start and after its end
-constexpr double kMinimumKidnap = 3, kMaximumKidnap = 15;  // metres
+constexpr double kMargin = 1.0;  // seconds for which the motion is defined before its start and after its end
+constexpr double kMinimumKidnap = 3, kMaximumKidnap = 15;  // metres in a straight line
 
 double knot_time(std::size_t i) {
   return kKnot * static_cast<double>(i) - kMargin;
 }
 
-/// Over 2 half + 1 knots; beyond its ends the series stands still.
+/// Moving average over 2 half + 1 knots; beyond its ends the series is constant.
 std::vector<double> moving_average(const std::vector<double>& in, int half) {
   const int n = static_cast<int>(in.size());
   std::vector<double> out(in.size());
@@ -34,11 +34,12 @@ std::vector<double> moving_average(const std::vector<double>& in, int half) {
   return out;
 }
 
-/// The speed wanted at each step of the route: cruise, bends and stops, before accelerations are limited.
+/// Desired speed at each step of the route, from cruising speed, bends and stops, before accelerations are
+/// limited.
 struct SpeedPlan {
   double step;
   std::vector<double> limit;  // m/s
-  std::vector<double> dwell;  // seconds of standing
+  std::vector<double> dwell;  // seconds of standstill
 };
 
 SpeedPlan plan_speeds(const Polyline& route, const DriveStyle& style, Random& random) {
@@ -69,7 +70,7 @@ SpeedPlan plan_speeds(const Polyline& route, const DriveStyle& style, Random& ra
   return plan;
 }
 
-/// The plan with limited acceleration.
+/// The speed plan with limited acceleration.
 SpeedPlan plan_drive(const Polyline& route, const DriveStyle& style, Random& random) {
   SpeedPlan plan = plan_speeds(route, style, random);
   std::vector<double>& v = plan.limit;
@@ -77,7 +78,8 @@ SpeedPlan plan_drive(const Polyline& route, const DriveStyle& style, Random& ran
     v[i] = std::min(v[i], std::sqrt(v[i - 1] * v[i - 1] + 2 * style.accelerate * plan.step));
   for (std::size_t i = v.size() - 1; i-- > 0;)
     v[i] = std::min(v[i], std::sqrt(v[i + 1] * v[i + 1] + 2 * style.brake * plan.step));
-  // From a start that is too fast for what follows it brakes as well as it can.
+  // If the start speed exceeds the limits that follow, the carrier brakes with style.brake until it meets
+  // them.
   for (std::size_t i = 0; i < v.size(); ++i) {
     const double left =
         style.start_mps * style.start_mps - 2 * style.brake * plan.step * static_cast<double>(i);
@@ -88,19 +90,19 @@ SpeedPlan plan_drive(const Polyline& route, const DriveStyle& style, Random& ran
   return plan;
 }
 
-/// Seconds from leaving step i of the route to coming to the next one.
+/// Seconds from leaving step i of the route to reaching step i + 1.
 double travel_time(const SpeedPlan& plan, std::size_t i) {
   return 2 * plan.step / std::max(1e-9, plan.limit[i] + plan.limit[i + 1]);
 }
 
-/// Arc length at each knot: as planned, then smoothed in time so that jerk is limited too.
+/// Arc length at each knot, metres: as planned, then smoothed in time, which also limits jerk.
 std::vector<double> drive_distances(const Polyline& route, const DriveStyle& style, double seconds,
                                     Random& random) {
   const SpeedPlan plan = plan_drive(route, style, random);
   const std::vector<double>& v = plan.limit;
   const auto knots = static_cast<std::size_t>(std::ceil((seconds + 2 * kMargin) / kKnot)) + 4;
   std::vector<double> distance(knots, 0);
-  double clock = plan.dwell[0];  // when step i is left
+  double clock = plan.dwell[0];  // time at which step i is left
   std::size_t i = 0;
   for (std::size_t k = 0; k < knots; ++k) {
     const double t = std::max(0.0, knot_time(k));
@@ -116,14 +118,14 @@ std::vector<double> drive_distances(const Polyline& route, const DriveStyle& sty
       const double elapsed = std::min(t - clock, travel);
       s += elapsed * (v[i] + (v[i + 1] - v[i]) * elapsed / (2 * travel));
     }
-    // It was as fast before it was seen.
+    // Before t = 0 the carrier moves at its start speed.
     distance[k] = kMargin * style.start_mps + (knot_time(k) < 0 ? knot_time(k) * style.start_mps : s);
   }
   for (int pass = 0; pass < 3; ++pass) distance = moving_average(distance, 3);
   return distance;
 }
 
-/// A sum of sinusoids of amplitude 1 in the mean square: the springs of the carrier.
+/// A sum of sinusoids with root mean square 1: the oscillation of the carrier's suspension.
 class Springs {
  public:
   Springs(const DriveStyle& style, Random& random) {
@@ -145,14 +147,14 @@ class Springs {
   std::array<Wave, 5> waves_;
 };
 
-/// 1 within the event, with smooth ramps of up to 0.3 s; 0 outside.
+/// 1 within the event, 0 outside, with smooth ramps of up to 0.3 s inside it.
 double envelope(const SimulationEvent& event, double t) {
   const double ramp = std::min(0.3, event.duration_s / 2);
   const double x = std::clamp(std::min(t - event.time_s, event.end_s() - t) / ramp, 0.0, 1.0);
   return x * x * x * (10 + x * (6 * x - 15));
 }
 
-/// Roll, pitch and yaw of a hand that shakes the sensor: about 10 degrees, up to some 150 degrees a second.
+/// Roll, pitch and yaw of a sensor shaken by hand: about 10 degrees, up to some 150 degrees per second.
 Eigen::Vector3d shaking(const std::vector<SimulationEvent>& events, double t) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const SimulationEvent& event : events) {
@@ -165,7 +167,7 @@ Eigen::Vector3d shaking(const std::vector<SimulationEvent>& events, double t) {
   return sum;
 }
 
-/// Turns route, distances and ground into control points.
+/// Computes control points of the pose spline from route, distances and ground.
 class PoseMaker {
  public:
   PoseMaker(const Polyline& route, const Terrain& terrain, const DriveStyle& style,
@@ -179,7 +181,7 @@ class PoseMaker {
         pitch_(style, random),
         heave_(style, random) {}
 
-  /// The drive, `back` metres behind on the route and turned by `turn`.
+  /// The control points of the drive, `back` metres behind on the route and turned by `turn` radians.
   std::vector<Vector6> controls(double back, double turn) const {
     const Footing footing = stand(back, turn);
     std::vector<Vector6> controls;
@@ -189,7 +191,7 @@ class PoseMaker {
   }
 
  private:
-  /// How the carrier stands on the ground at each knot, evened out by its springs or legs.
+  /// Height and tilt of the carrier on the ground at each knot, smoothed by its suspension or legs.
   struct Footing {
     std::vector<double> height, roll, pitch;
   };
@@ -224,7 +226,7 @@ class PoseMaker {
         (route_.heading(arc(after, back)) - route_.heading(arc(before, back))) / (2 * kKnot);
     const double liveliness = std::min(1.0, speed / style_.fast_mps);
 
-    // Braking dips the nose (positive pitch), a left bend lifts the left side (positive roll).
+    // Braking lowers the nose (positive pitch), a left bend lifts the left side (positive roll).
     const double roll = footing.roll[k] + 0.006 * speed * turning + style_.sway * liveliness * roll_.at(t);
     const double pitch = footing.pitch[k] - 0.006 * acceleration + style_.sway * liveliness * pitch_.at(t);
     const double yaw = route_.heading(s) + turn;
@@ -245,7 +247,7 @@ class PoseMaker {
   Springs roll_, pitch_, heave_;
 };
 
-/// How far back along the route a kidnapping takes the sensor that has come to arc length s.
+/// Metres along the route by which a kidnap moves the sensor back from arc length s.
 double kidnap_distance(const Polyline& route, double s, double t, Random& random) {
   for (int attempt = 0; attempt < 200; ++attempt) {
     const double back = random.uniform(kMinimumKidnap, kMaximumKidnap + 3);
@@ -296,7 +298,7 @@ double Drive::distance(double t) const {
 double driving_time(const Polyline& route, const DriveStyle& style, double distance_m, std::uint64_t seed) {
   Random random(seed, 1);
   const SpeedPlan plan = plan_drive(route, style, random);
-  const double ahead_m = distance_m - kMargin * style.start_mps;  // a Drive in motion starts that far on
+  const double ahead_m = distance_m - kMargin * style.start_mps;  // a moving Drive starts that far along
   double seconds = plan.dwell[0];
   for (std::size_t i = 0; i + 1 < plan.limit.size() && plan.step * static_cast<double>(i) < ahead_m; ++i)
     seconds += travel_time(plan, i) + plan.dwell[i + 1];

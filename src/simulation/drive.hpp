@@ -12,18 +12,18 @@
 
 namespace scanlock {
 
-/// How a carrier of the sensor moves. Metres, seconds, radians.
+/// How the carrier of the sensor moves. Metres, seconds, radians.
 struct DriveStyle {
-  double slow_mps = 8, fast_mps = 14;  ///< the cruising speed wanders between these
-  double start_mps = 0;                ///< as the drive begins; it brakes or accelerates from there
+  double slow_mps = 8, fast_mps = 14;  ///< range of the cruising speed, which varies along the route, m/s
+  double start_mps = 0;                ///< at the start of the drive, m/s
   double accelerate = 2, brake = 2.5;  ///< m/s^2
   double lateral = 3;                  ///< greatest lateral acceleration in bends, m/s^2
   double yaw_rate = 0.7;               ///< greatest turning rate, rad/s
-  double stop_every_m = 0;             ///< mean distance between stops of 2 to 6 s; 0: none
+  double stop_every_m = 0;             ///< mean distance between stops of 2 to 6 s; 0: no stops
   double sensor_height = 1.8;          ///< above the ground
-  double wheelbase = 2.7;              ///< it tilts with the ground over this length
-  double sway = 0.003, heave = 0.006;  ///< amplitudes of roll and pitch (rad) and of height (m) at full speed
-  double slowest_hz = 0.7, fastest_hz = 2.5;  ///< of sway and heave
+  double wheelbase = 2.7;              ///< length and width over which the carrier tilts with the ground
+  double sway = 0.003, heave = 0.006;  ///< RMS of roll and pitch (rad) and of height (m) at full speed
+  double slowest_hz = 0.7, fastest_hz = 2.5;  ///< frequencies of sway and heave
 };
 
 /// A drive along a route: speeds, stops, suspension, and the events that move the sensor.
@@ -33,13 +33,13 @@ class Drive {
   Drive(const Polyline& route, const Terrain& terrain, const DriveStyle& style,
         const std::vector<SimulationEvent>& events, double seconds, std::uint64_t seed);
 
-  /// Kidnaps cut the motion into pieces. The piece that holds from t on.
+  /// Kidnaps divide the motion into pieces. Returns the index of the piece at time t, in seconds.
   std::size_t piece_at(double t) const;
   std::size_t pieces() const { return pieces_.size(); }
-  /// Pose of the sensor in the world; smooth within a piece, which reaches a little beyond both its ends.
+  /// Pose of the sensor in the world; smooth within a piece, which extends slightly beyond both its ends.
   const PoseSpline& piece(std::size_t index) const { return pieces_[index].spline; }
 
-  /// Metres along the route, as driven without kidnaps.
+  /// Metres along the route at time t, as driven without kidnaps.
   double distance(double t) const;
 
  private:
@@ -51,7 +51,7 @@ class Drive {
   std::vector<Piece> pieces_;
 };
 
-/// Seconds until a Drive of the same route, style and seed has come `distance_m` along the route.
+/// Seconds until a Drive with the same route, style and seed has driven `distance_m` along the route.
 double driving_time(const Polyline& route, const DriveStyle& style, double distance_m, std::uint64_t seed);
 
 }  // namespace scanlock

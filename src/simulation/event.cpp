@@ -11,7 +11,7 @@
 namespace scanlock {
 namespace {
 
-/// The whole text as a finite number that is not negative; a negative result when it is none.
+/// The whole text as a finite number >= 0; negative when it is not such a number.
 double seconds_of(const std::string& text) {
   std::istringstream stream(text);
   stream.imbue(std::locale::classic());

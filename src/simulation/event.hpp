@@ -7,12 +7,12 @@
 
 namespace scanlock {
 
-/// What can go wrong during a drive.
+/// Disturbances during a drive.
 enum class EventKind : std::int8_t {
-  kKidnap,    ///< the sensor is carried 3 to 15 m, to ground already driven, and turned by up to 180 degrees
-  kBlackout,  ///< scans arrive, but empty (every other one) or with at most 20 points
+  kKidnap,    ///< the sensor is moved 3 to 15 m, to ground already driven, and turned by up to 180 degrees
+  kBlackout,  ///< scans arrive, but empty (every other scan) or with at most 20 points
   kShake,     ///< strong rotational shaking
-  kHalfView,  ///< the left half of the view is blocked: no returns from there
+  kHalfView,  ///< the left half of the field of view is blocked: no returns from there
   kDropout,   ///< scans do not arrive at all
 };
 
@@ -25,8 +25,8 @@ struct SimulationEvent {
   bool active(double t) const { return t >= time_s - 1e-9 && t < end_s() - 1e-9; }
 };
 
-/// Reads `kidnap@T` or `blackout@T+D`, `shake@T+D`, `halfview@T+D`, `dropout@T+D`, in seconds.
-/// Throws std::invalid_argument with a sentence that quotes the text.
+/// Parses `kidnap@T` or `blackout@T+D`, `shake@T+D`, `halfview@T+D`, `dropout@T+D`, in seconds. Throws
+/// std::invalid_argument with a sentence that quotes the text.
 SimulationEvent parse_event(const std::string& text);
 
 }  // namespace scanlock

@@ -12,11 +12,11 @@ namespace {
 
 constexpr int kCorridors = 6;  // in each direction
 
-/// One floor of an office: corridors in two directions, and between four of them a block of two rooms,
-/// each with a door to the corridor below and one to the corridor above.
+/// One floor of an office: corridors in two directions, and in each block between four corridors two rooms,
+/// each with a door to the corridor below and a door to the corridor above.
 struct Floor {
-  double ceiling, corridor;                             // height and width
-  std::vector<double> x, y;                             // middles of the corridors
+  double ceiling, corridor;                             // metres, height and width
+  std::vector<double> x, y;                             // centre lines of the corridors
   std::vector<std::vector<std::vector<double>>> doors;  // x of the doors of each block [column][row][room]
 };
 
@@ -54,7 +54,7 @@ void add_rooms(Scene& scene, const Floor& floor, int column, int row, Random& ra
   const double split = (doors[0] + doors[1]) / 2;
   for (const double x : {x0, split - kWall / 2, x1 - kWall})
     add_block(scene, x, x + kWall, y0 + kWall, y1 - kWall, 0, floor.ceiling, 0.6);
-  for (const double door : doors)  // leaves stand open into the room
+  for (const double door : doors)  // door leaves stand open into the room
     for (const bool top : {false, true})
       if (random.chance(0.7)) {
         const double y = top ? y1 - kWall - 0.5 : y0 + kWall + 0.5;
@@ -63,7 +63,7 @@ void add_rooms(Scene& scene, const Floor& floor, int column, int row, Random& ra
       }
   furnish_room(scene, x0 + kWall, split - kWall / 2, y0 + kWall, y1 - kWall, doors[0], random, changes);
   furnish_room(scene, split + kWall / 2, x1 - kWall, y0 + kWall, y1 - kWall, doors[1], random, changes);
-  if (random.chance(0.6)) {  // something on the corridor's wall, between the doors
+  if (random.chance(0.6)) {  // an object at the corridor's wall, between the doors
     const double height = random.uniform(0.9, 2), depth = random.uniform(0.15, 0.35);
     add_block(scene, split - 0.6, split + 0.6, y1, y1 + depth, 0, height, 0.5);
   }
@@ -91,7 +91,7 @@ void add_outer_walls(Scene& scene, const Floor& floor) {
   }
 }
 
-/// From crossing to crossing; a way along x often leads through a room into the next corridor.
+/// From crossing to crossing; a leg along x often leads through a room into the next corridor.
 Polyline plan_walk(const Floor& floor, double length, Random& random) {
   int column = kCorridors / 2, row = kCorridors / 2, heading = random.integer(0, 3);
   const int dx[4] = {1, 0, -1, 0}, dy[4] = {0, 1, 0, -1};

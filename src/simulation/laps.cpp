@@ -10,7 +10,7 @@
 namespace scanlock {
 namespace {
 
-constexpr double kTail = 40;  // metres of route beyond the end of the drive: room for the car before our own
+constexpr double kTail = 40;  // metres of route beyond the end of the drive, for the car in front
 
 std::vector<Eigen::Vector2d> round_average(const std::vector<Eigen::Vector2d>& in, int half) {
   const int n = static_cast<int>(in.size());
@@ -24,8 +24,8 @@ std::vector<Eigen::Vector2d> round_average(const std::vector<Eigen::Vector2d>& i
   return out;
 }
 
-/// The offset to the left at each of `count` points `spacing` apart: random values, with a smooth way (first
-/// and second derivatives 0 at its ends) from each to the next.
+/// Offset to the left at each of `count` points, `spacing` metres apart: random values, with a smooth
+/// transition (first and second derivatives 0 at both ends) from each value to the next.
 std::vector<double> wandering(const Wander& wander, std::size_t count, double spacing, Random& random) {
   const auto draw = [&] { return random.uniform(-wander.aside_m, wander.aside_m); };
   std::vector<double> aside(count);

@@ -9,20 +9,21 @@
 
 namespace scanlock {
 
-/// The closed curve through `corners` and back to the first of them, its corners rounded as
-/// Polyline::smoothed does it, without a beginning or an end. Its last point is its first.
+/// The closed curve through `corners` and back to the first corner, with all corners, the first included,
+/// rounded as in Polyline::smoothed(). Its last point equals its first. `spacing` and `width`: metres.
 Polyline closed_lap(const std::vector<Eigen::Vector2d>& corners, double spacing, double width);
 
-/// How a carrier keeps to its lap: sideways by up to `aside_m`, by another amount each `every_m` of way.
+/// Deviation of the carrier from its lap: sideways by up to `aside_m`, changing to a new value every
+/// `every_m` metres of the route.
 struct Wander {
   double aside_m, every_m;
 };
 
-/// Metres by which the last lap goes on beyond its start, so that it is closed like those before it.
+/// Metres by which the last lap continues beyond its start, so that it is closed like the laps before it.
 constexpr double kBeyondLap = 10;
 
-/// Gives the world a route of `laps` rounds of a closed lap, wandering, and a way to brake or to drive behind
-/// another car beyond its end.
+/// Gives the world a route of `laps` rounds of a closed lap, with deviations, and a continuation beyond its
+/// end for braking and for the car in front.
 void set_laps(World& world, const Polyline& lap, int laps, const Wander& wander, Random& random);
 
 }  // namespace scanlock

@@ -17,13 +17,14 @@ Eigen::Vector3d direction(double azimuth, double elevation) {
   return {cos(elevation) * cos(azimuth), cos(elevation) * sin(azimuth), sin(elevation)};
 }
 
-/// Elevations in radians, from evenly spaced degrees.
+/// Appends elevations in radians, evenly spaced in degrees.
 void append_rings(std::vector<double>& rings, double from_deg, double to_deg, int count) {
   for (int i = 0; i < count; ++i)
     rings.push_back((from_deg + (to_deg - from_deg) * i / std::max(1, count - 1)) * kPi / 180);
 }
 
-/// A spinning head: all lasers of a column fire together; it turns clockwise, seen from above, from the rear.
+/// A spinning head: all lasers of a column fire together; it starts at the rear and turns clockwise, seen
+/// from above.
 std::vector<Beam> spin(const std::vector<double>& rings, int columns, double period) {
   std::vector<Beam> beams;
   beams.reserve(rings.size() * static_cast<std::size_t>(columns));
@@ -35,9 +36,9 @@ std::vector<Beam> spin(const std::vector<double>& rings, int columns, double per
   return beams;
 }
 
-/// A pattern that never repeats, and covers the view evenly at every instant: nods and turns are in the
-/// golden ratio. (In one that nearly repeats the scans lock: each fits the last one's lines, turned by a
-/// little.)
+/// A pattern that never repeats and covers the field of view evenly over any time: the ratio of nods to turns
+/// has the fractional part of the golden ratio. (With a pattern that nearly repeats, scan matching locks:
+/// each scan fits the lines of the scan before it, turned by a small angle.)
 std::vector<Beam> rosette(std::int64_t scan, int count, double period) {
   constexpr double kTurnsPerSecond = 83.717, kNodsPerSecond = 14.618034 * kTurnsPerSecond;
   constexpr double kLowest = -7, kHighest = 52;
@@ -88,7 +89,7 @@ std::vector<Beam> LidarModel::sweep(std::int64_t scan) const {
     case LidarKind::kVlp16:
       append_rings(rings, -15, 15, 16);
       return spin(rings, 1800, period_s);
-    case LidarKind::kHdl64:  // two blocks of 32 lasers, the lower one coarser
+    case LidarKind::kHdl64:  // two blocks of 32 lasers, the lower block with coarser spacing
       append_rings(rings, -24.8, -8.83, 32);
       append_rings(rings, -8.33, 2, 32);
       return spin(rings, 2000, period_s);

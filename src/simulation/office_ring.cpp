@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// The indoor world of laps: one corridor around a closed core, with offices on both of its sides.
+// The indoor world for laps: one corridor around a closed core, with offices on both sides.
 #include <algorithm>
 #include <cmath>
 
@@ -14,12 +14,12 @@
 namespace scanlock {
 namespace {
 
-constexpr double kRouteBend = 1.4;  // metres of way over which the route's corners are rounded
+constexpr double kRouteBend = 1.4;  // metres of route over which corners are rounded
 
 struct Ring {
-  double ceiling, corridor;  // height and width
-  double length, width;      // of the rectangle of the corridor's middle
-  double inner, outer;       // depths of the offices on both sides
+  double ceiling, corridor;  // height and width, metres
+  double length, width;      // of the rectangle formed by the corridor's centre line
+  double inner, outer;       // depths of the offices inside and outside the ring
 };
 
 Ring plan_ring(Random& random) {
@@ -33,7 +33,7 @@ Ring plan_ring(Random& random) {
   return ring;
 }
 
-/// Towards the corridor an office has a wall with an open door, a wall with a shut one, or no wall at all.
+/// Towards the corridor, an office has a wall with an open door, a wall with a closed door, or no wall.
 enum class Front { kOpen, kShut, kNone };
 
 Front draw_front(Random& random) {
@@ -41,11 +41,11 @@ Front draw_front(Random& random) {
   return draw < 0.6 ? Front::kOpen : draw < 0.85 ? Front::kShut : Front::kNone;
 }
 
-/// A room at x0..x1 behind the corridor's side at y = front, `depth` deep; `out` is +1 where it lies towards
-/// greater y, else -1. It brings its front, its left wall and its furniture.
+/// Adds a room from x0 to x1 behind the corridor's side at y = front, `depth` metres deep; `out` is +1 when
+/// the room lies towards greater y, else -1. Adds its front, its left wall and its furniture.
 void add_room(Scene& scene, const Ring& ring, double x0, double x1, double front, double depth, double out,
               Random& random, Changes& changes) {
-  // From the corridor: y is front + out * distance.
+  // Range of y at a distance from `near` to `far` metres from the corridor: y is front + out * distance.
   const auto low = [&](double near, double far) { return std::min(front + out * near, front + out * far); };
   const auto block = [&](double from, double to, double near, double far, double bottom, double top) {
     add_block(scene, from, to, low(near, far), low(near, far) + far - near, bottom, top, 0.6);
@@ -56,7 +56,7 @@ void add_room(Scene& scene, const Ring& ring, double x0, double x1, double front
   block(x0, x0 + kWall, kWall, depth, 0, ring.ceiling);
   if (kind != Front::kNone) add_wall_with_doors(scene, ring.ceiling, x0, x1, low(0, kWall), {door});
   if (kind == Front::kShut) block(door - kDoor / 2, door + kDoor / 2, 0.05, 0.1, 0, kDoorHeight);
-  if (kind == Front::kOpen) {  // the leaf stands into the room
+  if (kind == Front::kOpen) {  // the door leaf stands open into the room
     const double y = front + out * (kWall + 0.5);
     scene.add(
         Box::upright({door - kDoor / 2 - 0.03, y, 0}, random.uniform(-0.05, 0.05), {0.04, 0.95, 2.05}, 0.4));
@@ -70,7 +70,7 @@ void add_room(Scene& scene, const Ring& ring, double x0, double x1, double front
   }
 }
 
-/// Rooms of many widths in a row, with the walls at the ends and at the back of the row.
+/// Adds a row of rooms of random widths, with the walls at its end and back.
 void add_row(Scene& scene, const Ring& ring, double x0, double x1, double front, double depth, double out,
              Random& random, Changes& changes) {
   const double back = front + out * (depth + kWall / 2);
@@ -83,7 +83,7 @@ void add_row(Scene& scene, const Ring& ring, double x0, double x1, double front,
     add_room(scene, ring, x, x + width, front, depth, out, random, changes);
     x += width;
   }
-  if (x1 - x > 6.5) {  // 6.5 to 11 m are left: two of the same width
+  if (x1 - x > 6.5) {  // 6.5 to 11 m are left: two rooms of the same width
     const double width = (x1 - x) / 2;
     add_room(scene, ring, x, x + width, front, depth, out, random, changes);
     x += width;
@@ -91,9 +91,9 @@ void add_row(Scene& scene, const Ring& ring, double x0, double x1, double front,
   add_room(scene, ring, x, x1, front, depth, out, random, changes);
 }
 
-/// One of the ring's four sides in a frame of its own: the corridor's middle runs along x from corner to
-/// corner, 0 to `length`, and the ring's inside is at greater y. The room in the inner corner belongs to the
-/// side that comes to it.
+/// Adds one of the ring's four sides in a frame of its own: the corridor's centre line runs along x from
+/// corner to corner, 0 to `length`, and the inside of the ring is at greater y. The room in an inner corner
+/// belongs to the side that ends there.
 void add_side(Scene& scene, const Ring& ring, double length, const Eigen::Vector2d& corner, double yaw,
               Random& random, Changes& changes) {
   const double half = ring.corridor / 2;
@@ -114,7 +114,8 @@ void add_side(Scene& scene, const Ring& ring, double length, const Eigen::Vector
   }
 }
 
-/// People who go round in both directions, each at a pace of their own: each lap meets them elsewhere.
+/// People who walk round in both directions, each at a different speed, so that the laps meet them at
+/// different positions.
 void add_people(World& world, const Polyline& lap, Random& random) {
   for (int i = 0; i < 6; ++i) {
     const Polyline path = (i % 2 == 0 ? lap : lap.reversed()).offset(random.uniform(-0.6, -0.4));

@@ -14,10 +14,10 @@
 namespace scanlock {
 namespace {
 
-/// A wavy round about the origin.
+/// A wavy path around the origin.
 class Round {
  public:
-  /// `third` of its waves go round it in a turn; a fraction makes the next turn another one.
+  /// `third`: periods of the third wave per turn; with a fractional number, each turn takes a different line.
   Round(double radius, double third, Random& random)
       : radius_(radius),
         third_(third),
@@ -31,13 +31,13 @@ class Round {
                                 0.03 * sin(third_ * angle + c_));
     return r * Eigen::Vector2d(cos(angle), direction_ * sin(angle));
   }
-  double step() const { return 0.2 / radius_; }  ///< of the angle: about 0.2 m
+  double step() const { return 0.2 / radius_; }  ///< radians; about 0.2 m along the path
 
  private:
   double radius_, third_, a_, b_, c_, direction_;
 };
 
-/// Driven as often as needed, never twice on the same line.
+/// A path of `length` metres around the origin, of as many turns as needed, no two of them on the same line.
 Polyline plan_round(double radius, double length, Random& random) {
   const Round round(radius, 9.3, random);
   std::vector<Eigen::Vector2d> points;
@@ -49,7 +49,7 @@ Polyline plan_round(double radius, double length, Random& random) {
   return Polyline(points).smoothed(0.2, 2);
 }
 
-/// One turn; its last point is its first.
+/// One turn; its last point equals its first.
 Polyline plan_lap(double radius, Random& random) {
   const Round round(radius, 9, random);
   std::vector<Eigen::Vector2d> points;
@@ -65,7 +65,7 @@ double distance_to(const Polyline& route, const Eigen::Vector2d& p) {
   return std::sqrt(nearest);
 }
 
-/// Smooth hills: sinusoids of falling length and height.
+/// Smooth hills: sinusoids of decreasing wavelength and height.
 class Hills {
  public:
   Hills(double longest, double highest, double shortest, Random& random) {
@@ -109,7 +109,7 @@ World make_forest(std::uint64_t seed, const Visit& visit, const DriveStyle& styl
   Random random(seed, 30);
   constexpr double kRadius = 45, kReach = 130, kTreesPerSquareMetre = 0.045;
   constexpr Wander kWander{0.35, 8};
-  const double aside = visit.laps > 0 ? 2 * kWander.aside_m : 0;  // from one lap to another
+  const double aside = visit.laps > 0 ? 2 * kWander.aside_m : 0;  // deviation between two laps
   World world;
   world.style = style;
   if (visit.laps > 0)
@@ -118,7 +118,7 @@ World make_forest(std::uint64_t seed, const Visit& visit, const DriveStyle& styl
     world.route = plan_round(kRadius, needed_length(style, visit.seconds), random);
   const Hills hills(60, 1.6, 2.5, random);
   world.scene = Scene(Terrain({-kReach, -kReach}, {kReach, kReach}, 1, hills));
-  const Polyline round(std::vector<Eigen::Vector2d>(  // one round is enough to keep clear of
+  const Polyline round(std::vector<Eigen::Vector2d>(  // one turn is enough to keep trees away from
       world.route.points().begin(),
       world.route.points().begin() +
           static_cast<std::ptrdiff_t>(std::min<std::size_t>(world.route.points().size(), 3000))));
@@ -152,7 +152,7 @@ World make_field(std::uint64_t seed, const Visit& visit, const DriveStyle& style
     world.route = plan_round(kRadius, needed_length(style, visit.seconds), random);
   const Hills hills(150, 2.0, 6, random);
   world.scene = Scene(Terrain({-kReach, -kReach}, {kReach, kReach}, 2, hills));
-  for (int i = 0; i < 14; ++i) {  // far bushes, hay bales and poles, and one barn
+  for (int i = 0; i < 14; ++i) {  // distant bushes, hay bales and poles, and one barn
     const double angle = random.uniform(0, 2 * kPi), radius = random.uniform(95, 150);
     const Eigen::Vector3d place = on_ground(world.scene, radius * Eigen::Vector2d(cos(angle), sin(angle)));
     const double yaw = random.uniform(0, kPi);
@@ -180,7 +180,7 @@ World make_tunnel(std::uint64_t seed, const Visit& visit, const DriveStyle& styl
   double heading = 0, bend = 0;
   for (double s = 0; s < length + 100; s += 5) {
     if (std::fmod(s, 150) < 5) bend = s < kPortal || random.chance(0.5) ? 0 : random.uniform(-1, 1) / 300;
-    heading = std::clamp(heading + 5 * bend, -1.0, 1.0);  // it may wind, but never meets itself
+    heading = std::clamp(heading + 5 * bend, -1.0, 1.0);  // the tunnel may wind, but does not cross itself
     points.push_back(points.back() + 5 * Eigen::Vector2d(cos(heading), sin(heading)));
   }
   const Polyline axis = Polyline(points).smoothed(1, 30);
@@ -195,7 +195,7 @@ World make_tunnel(std::uint64_t seed, const Visit& visit, const DriveStyle& styl
   const double period = random.uniform(200, 400);
   world.scene = Scene(Terrain(low - margin, high + margin, 4,
                               [&](double x, double) { return 3 * sin(2 * kPi * x / period / 3); }));
-  // A vault of slabs from ground to ground, a regular polygon of which the road cuts off the lowest part.
+  // The vault consists of slabs along a regular polygon, whose lowest part the road cuts off.
   for (double s = kPortal; s < axis.length(); s += kSegment) {
     const Eigen::Vector2d p = axis.at(s), q = axis.at(s + kSegment);
     const Eigen::Vector3d from = on_ground(world.scene, p), to = on_ground(world.scene, q);
@@ -218,7 +218,7 @@ World make_tunnel(std::uint64_t seed, const Visit& visit, const DriveStyle& styl
       world.scene.add(slab);
     }
   }
-  // The portal, and something to see before it.
+  // The portal, and objects in front of it.
   const Eigen::Vector3d portal = on_ground(world.scene, axis.at(kPortal));
   for (const double side : {-1.0, 1.0}) {
     world.scene.add(

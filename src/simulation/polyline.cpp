@@ -12,7 +12,8 @@
 namespace scanlock {
 namespace {
 
-/// One moving average over 2 half + 1 points; the curve goes on beyond its ends as its own point reflection.
+/// One moving average over 2 half + 1 points; beyond each end the curve is continued by its point reflection
+/// there.
 std::vector<Eigen::Vector2d> moving_average(const std::vector<Eigen::Vector2d>& in, int half) {
   const int n = static_cast<int>(in.size());
   half = std::min(half, n - 1);

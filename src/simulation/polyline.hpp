@@ -7,29 +7,29 @@
 
 namespace scanlock {
 
-/// A curve on the ground plane, by arc length. Metres, radians.
+/// A curve on the ground plane, parametrised by arc length. Metres, radians.
 class Polyline {
  public:
   Polyline() = default;
-  /// Points closer than a millimetre to their predecessor are dropped; at least two must remain.
+  /// Points closer than 1 mm to their predecessor are dropped; at least two must remain.
   explicit Polyline(const std::vector<Eigen::Vector2d>& points);
 
   double length() const { return arc_.back(); }
   const std::vector<Eigen::Vector2d>& points() const { return points_; }
-  /// The point at arc length s; beyond the ends, the end.
+  /// The point at arc length s, clamped to the ends.
   Eigen::Vector2d at(double s) const;
-  /// Direction at arc length s, continuous: it counts full turns instead of wrapping.
+  /// Direction at arc length s, continuous: full turns are added instead of wrapping.
   double heading(double s) const;
-  /// Change of heading a metre.
+  /// Change of heading per metre.
   double curvature(double s) const;
 
   /// Equally spaced points on the curve.
   Polyline resampled(double spacing) const;
-  /// Rounds the corners: the curve filtered along its length by three moving averages of `width`.
-  /// A right angle becomes a bend of radius about width / 2.1 at its tightest.
+  /// Rounds the corners: filters the curve along its length by three moving averages of `width` metres. The
+  /// smallest radius of a rounded right angle is about width / 2.1.
   Polyline smoothed(double spacing, double width) const;
   Polyline reversed() const;
-  /// Moved sideways, to the left when positive.
+  /// Shifted sideways, to the left when positive.
   Polyline offset(double left) const;
 
  private:

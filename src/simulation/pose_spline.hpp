@@ -9,11 +9,12 @@
 namespace scanlock {
 
 /// A motion as a uniform cubic B-spline over x, y, z, roll, pitch, yaw (world from body = T(x, y, z) Rz Ry
-/// Rx): position and attitude have continuous velocity and acceleration, all of them in closed form.
+/// Rx): position and attitude have continuous velocity and acceleration, all in closed form.
 class PoseSpline {
  public:
   PoseSpline() = default;
-  /// Control point i belongs to the time begin + (i - 1) step; the spline is good from `begin` to `end()`.
+  /// Control point i belongs to time begin + (i - 1) step; the spline is defined from `begin` to end(), in
+  /// seconds.
   PoseSpline(double begin, double step, std::vector<Vector6> control);
 
   double begin() const { return begin_; }

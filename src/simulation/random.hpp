@@ -21,9 +21,10 @@ inline double unit_interval(std::uint64_t bits) {
   return static_cast<double>(bits >> 11) * 0x1p-53;
 }
 
-/// Random numbers that are the same on every machine, which the distributions of <random> are not. Never draw
-/// twice in the arguments of one call, nor on both sides of an operator: compilers differ in which is first.
-/// Named locals and braces are evaluated in the order in which they stand.
+/// Random numbers that are the same on every machine, unlike those of the distributions of <random>. Do not
+/// draw twice in the arguments of one call, nor in both operands of an operator: the order of evaluation
+/// depends on the compiler. Named variables and braced lists are evaluated in the order in which they are
+/// written.
 class Random {
  public:
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0, std::uint64_t substream = 0)

@@ -9,7 +9,7 @@
 namespace scanlock {
 namespace {
 
-constexpr int kAttempts = 40;  // to find a place for a piece of furniture
+constexpr int kAttempts = 40;  // to find a position for a piece of furniture
 
 void add_table(Scene& scene, const Eigen::Vector2d& p, double yaw, Random& random) {
   const double length = random.uniform(0.9, 1.7), width = random.uniform(0.6, 0.9),

@@ -10,18 +10,19 @@
 
 namespace scanlock {
 
-// Metres: how thick the walls of rooms are, how wide and high their doorways.
+// Metres: thickness of walls, width and height of doorways.
 constexpr double kWall = 0.15, kDoor = 1.1, kDoorHeight = 2.1;
 
-/// A block along the axes.
+/// Adds a box parallel to the axes.
 void add_block(Scene& scene, double x0, double x1, double y0, double y1, double z0, double z1,
                double reflectivity);
 
-/// A wall along x at y..y + kWall, with a doorway around each of `doors`.
+/// Adds a wall along x at y..y + kWall, with a doorway centred at each of `doors`.
 void add_wall_with_doors(Scene& scene, double ceiling, double x0, double x1, double y,
                          const std::vector<double>& doors);
 
-/// Furniture between x0..x1, y0..y1, but not within 0.75 m of the way along y through the door at x = `door`.
+/// Adds furniture between x0..x1 and y0..y1, except within 0.75 m of the path along y through the door at x =
+/// `door`.
 void furnish_room(Scene& scene, double x0, double x1, double y0, double y1, double door, Random& random,
                   Changes& changes);
 

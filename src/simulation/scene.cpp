@@ -10,11 +10,11 @@
 namespace scanlock {
 namespace {
 
-/// The step from cell to cell along one axis.
+/// Traversal of the grid along one axis.
 struct Walk {
   int cell, step;
   double next;   // range at which the ray leaves the cell along this axis
-  double delta;  // range from one border to the next
+  double delta;  // range from one cell border to the next
 };
 
 Walk start_walk(double origin, double direction, double low, double size, int count, double enter) {
@@ -32,7 +32,7 @@ Walk start_walk(double origin, double direction, double low, double size, int co
   return walk;
 }
 
-/// Narrows [enter, leave] to the part of the ray between low and high; false when nothing is left.
+/// Narrows [enter, leave] to the part of the ray between low and high; false when it is empty.
 bool clip(double origin, double direction, double low, double high, double& enter, double& leave) {
   if (std::abs(direction) < 1e-12) return origin >= low && origin < high;
   const double a = (low - origin) / direction, b = (high - origin) / direction;
@@ -133,7 +133,7 @@ Hit Scene::cast(const Ray& ray, double max_range, std::uint64_t seed) const {
   while (enter < leave) {
     const double next = std::min({x.next, y.next, leave});
     intersect_cell(x.cell, y.cell, ray, enter, next, seed, hit);
-    if (hit.range <= next) break;  // nothing in the cells behind can be nearer
+    if (hit.range <= next) break;  // cells farther away cannot contain a nearer hit
     if (x.next < y.next) {
       x.cell += x.step;
       x.next += x.delta;

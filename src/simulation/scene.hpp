@@ -12,8 +12,8 @@
 
 namespace scanlock {
 
-/// Everything in a world that does not move: the ground and the shapes on it.
-/// Rays walk a flat grid, the terrain's own, whose cells list the shapes that reach over them.
+/// All static parts of a world: the ground and the shapes on it. Ray casting traverses the terrain's
+/// horizontal grid, whose cells list the shapes that extend over them.
 class Scene {
  public:
   Scene() = default;
@@ -23,12 +23,12 @@ class Scene {
   void add(const Cylinder& cylinder) { cylinders_.push_back(cylinder); }
   void add(const Ellipsoid& ellipsoid) { ellipsoids_.push_back(ellipsoid); }
   void set_ceiling(double height) { ceiling_ = height; }
-  /// Sorts the shapes into the grid. Call it once, after the last add and before the first cast.
-  /// What lies outside the terrain's rectangle is not seen.
+  /// Sorts the shapes into the grid. Call it once, after the last add() and before the first cast(). Parts
+  /// outside the terrain's rectangle are not hit.
   void build();
 
-  /// The first surface along the ray, not found when there is none within `max_range`.
-  /// `seed` decides what leaves let through.
+  /// The first surface along the ray; not found when there is none within `max_range`. `seed` determines how
+  /// deep the ray penetrates foliage.
   Hit cast(const Ray& ray, double max_range, std::uint64_t seed) const;
 
   const Terrain& terrain() const { return terrain_; }
@@ -37,7 +37,7 @@ class Scene {
   const std::vector<Ellipsoid>& ellipsoids() const { return ellipsoids_; }
   std::optional<double> ceiling() const { return ceiling_; }
 
-  /// The random bits for one ray and one ellipsoid.
+  /// Random bits for one ray and one ellipsoid.
   static std::uint64_t leaf_bits(std::uint64_t seed, std::uint64_t ellipsoid);
 
  private:
@@ -45,11 +45,11 @@ class Scene {
   struct Item {
     Kind kind;
     std::uint32_t index;
-    float lowest, highest;  // heights that the shape reaches
+    float lowest, highest;  // range of heights of the shape
   };
   struct Cell {
     std::uint32_t begin = 0, end = 0;  // of items_
-    float lowest = 0, highest = 0;     // of all that is in it
+    float lowest = 0, highest = 0;     // range of heights of the cell's content
   };
   void intersect_cell(int column, int row, const Ray& ray, double enter, double leave, std::uint64_t seed,
                       Hit& hit) const;
@@ -63,12 +63,12 @@ class Scene {
   std::vector<Item> items_;
 };
 
-/// The point of the ground above or below p.
+/// The point of the ground at the horizontal position p.
 inline Eigen::Vector3d on_ground(const Scene& scene, const Eigen::Vector2d& p) {
   return {p.x(), p.y(), scene.terrain().height(p.x(), p.y())};
 }
 
-/// Makes `hit` nearer when the ray meets a horizontal ceiling.
+/// Replaces `hit` when the ray hits a horizontal ceiling at a shorter range.
 void intersect_ceiling(double height, const Ray& ray, Hit& hit);
 
 }  // namespace scanlock

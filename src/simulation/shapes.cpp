@@ -86,7 +86,8 @@ void intersect(const Ellipsoid& ellipsoid, const Ray& ray, std::uint64_t random_
   if (range <= 0 || range >= hit.range) return;
   hit.range = range;
   hit.found = true;
-  // A leaf faces anywhere; its crown's gradient would make the rim of a tree look grazed.
+  // A leaf may face any way; the normal of the ellipsoid would make every ray at the rim of a crown a grazing
+  // ray.
   hit.normal = ellipsoid.density > 0
                    ? Eigen::Vector3d(-ray.direction)
                    : Eigen::Vector3d((origin + range * step).cwiseQuotient(ellipsoid.radii).normalized());
@@ -100,7 +101,7 @@ Bounds bounds_of(const Box& box) {
 
 Bounds bounds_of(const Cylinder& cylinder) {
   const Eigen::Vector3d top = cylinder.base + cylinder.length * cylinder.axis;
-  // The disc at either end reaches r sqrt(1 - a_i^2) along the world axis i.
+  // The disc at each end extends r sqrt(1 - a_i^2) along world axis i.
   const Eigen::Vector3d reach =
       cylinder.radius * (1 - cylinder.axis.array().square()).max(0.0).sqrt().matrix();
   return {cylinder.base.cwiseMin(top) - reach, cylinder.base.cwiseMax(top) + reach};

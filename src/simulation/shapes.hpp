@@ -8,13 +8,13 @@
 
 namespace scanlock {
 
-/// All lengths in metres, in the world frame (z up).
+/// All lengths are in metres, in the world frame (z up).
 struct Ray {
   Eigen::Vector3d origin;
   Eigen::Vector3d direction;  ///< of length 1
 };
 
-/// The nearest surface met so far. Before a cast, `range` is the farthest distance of interest.
+/// The nearest surface hit so far. Before a cast, `range` is the largest range of interest.
 struct Hit {
   double range = 0;
   bool found = false;
@@ -22,19 +22,20 @@ struct Hit {
   double reflectivity = 0;  ///< 0 to 1
 };
 
-/// A solid box. A ray that starts inside does not see it.
+/// A solid box. A ray that starts inside does not hit it.
 struct Box {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Eigen::Matrix3d world_from_box = Eigen::Matrix3d::Identity();  ///< a rotation
   Eigen::Vector3d half = Eigen::Vector3d::Ones();                ///< half the edge lengths
   double reflectivity = 0.4;
 
-  /// Turned about the vertical only; `bottom` is the centre of its lower face, `size` its full edge lengths.
+  /// A box rotated about the vertical only; `bottom` is the centre of its lower face, `size` its edge
+  /// lengths.
   static Box upright(const Eigen::Vector3d& bottom, double yaw, const Eigen::Vector3d& size,
                      double reflectivity = 0.4);
 };
 
-/// A solid cylinder without caps worth seeing: only its mantle reflects.
+/// A cylinder without caps: only its lateral surface reflects.
 struct Cylinder {
   Eigen::Vector3d base = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< of length 1
@@ -43,19 +44,19 @@ struct Cylinder {
   double reflectivity = 0.4;
 };
 
-/// An ellipsoid along the world axes: solid, or a cloud of leaves that a ray enters for a random free path.
+/// An ellipsoid along the world axes: solid, or foliage, into which a ray penetrates for a random free path.
 struct Ellipsoid {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Eigen::Vector3d radii = Eigen::Vector3d::Ones();
-  double density = 0;  ///< hits per metre inside; 0 makes it solid
+  double density = 0;  ///< hits per metre inside; 0: solid
   double reflectivity = 0.3;
 };
 
-/// Each of these makes `hit` nearer when the ray meets the shape before `hit.range`, and else leaves it
-/// alone.
+/// Each of these functions replaces `hit` when the ray hits the shape at less than `hit.range`, and otherwise
+/// does not change it.
 void intersect(const Box& box, const Ray& ray, Hit& hit);
 void intersect(const Cylinder& cylinder, const Ray& ray, Hit& hit);
-/// `random_bits` chooses the free path: the same bits give the same hit.
+/// `random_bits` determines the free path: equal bits give equal hits.
 void intersect(const Ellipsoid& ellipsoid, const Ray& ray, std::uint64_t random_bits, Hit& hit);
 
 using Bounds = Eigen::AlignedBox3d;

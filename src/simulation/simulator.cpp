@@ -18,7 +18,7 @@ namespace {
 constexpr double kDefaultSeconds = 60, kLongest = 90000;  // seconds
 constexpr int kMostLaps = 1000;
 constexpr std::size_t kBlock = 2048;    // beams that share a random stream
-constexpr std::uint64_t kNoise = 1000;  // first stream of the noise, one a sweep
+constexpr std::uint64_t kNoise = 1000;  // random stream of sweep 0's noise; each sweep has its own
 
 std::string text_of(double number) {
   char text[32];
@@ -59,7 +59,8 @@ std::uint64_t drive_seed(const SimulationConfig& config) {
   return config.drive_seed.value_or(config.seed);
 }
 
-/// The length of the drive, for which all events have to come in time.
+/// Length of the drive in seconds. Throws std::invalid_argument for laps that take too long, a drive shorter
+/// than one scan, and an event after its end.
 double drive_seconds(const SimulationConfig& config, const World& world, const LidarModel& lidar) {
   double seconds = config.seconds.value_or(config.laps ? kLongest : kDefaultSeconds);
   if (config.laps) {
@@ -81,10 +82,10 @@ double drive_seconds(const SimulationConfig& config, const World& world, const L
 
 }  // namespace
 
-/// A mover during one sweep: its shapes where they stand as it begins, and how they go on.
+/// A mover during one sweep: its shapes at the start of the sweep, and its velocity.
 struct Simulator::Moving {
   Eigen::Vector3d position, velocity;
-  double reach;  // its shapes lie within this distance of the position, seen from above
+  double reach;  // its shapes lie within this horizontal distance of the position
   std::vector<Box> boxes;
   std::vector<Cylinder> cylinders;
 };
@@ -171,7 +172,7 @@ std::vector<Simulator::Moving> Simulator::movers_near(const Eigen::Vector3d& sen
   const double until = t + lidar_.period_s;
   const bool kidnapped = drive_.piece_at(t) > 0;
   for (const Mover& mover : world_.movers) {
-    if (mover.in_convoy && mover.start < 0 && kidnapped) continue;  // it would stand where the sensor is put
+    if (mover.in_convoy && mover.start < 0 && kidnapped) continue;  // could be where the sensor was put
     const auto arc = [&](double time) {
       if (mover.in_convoy) return drive_.distance(time) + mover.start + 5 * sin(0.11 * time);
       return std::fmod(mover.start + mover.speed * t, mover.path.length()) + mover.speed * (time - t);
@@ -182,8 +183,8 @@ std::vector<Simulator::Moving> Simulator::movers_near(const Eigen::Vector3d& sen
     const Eigen::Vector2d apart = from - sensor.head<2>();
     if (apart.norm() > lidar_.max_range) continue;
     if (!mover.in_convoy) {
-      // Nobody walks or drives through the sensor: who would, is left out while near, and so is all traffic
-      // in our own lane, where the convoy drives.
+      // Movers within 4 m are left out, since they could pass through the sensor; so are cars within 60 m in
+      // the sensor's own lane, which is for the convoy only.
       if (apart.norm() < 4) continue;
       const Eigen::Vector2d ahead(cos(heading), sin(heading));
       const double aside = std::abs(apart.x() * ahead.y() - apart.y() * ahead.x());
@@ -236,7 +237,7 @@ void Simulator::cast_beams(std::int64_t sweep, double stamp, const std::vector<M
   const bool half_view = event_active(EventKind::kHalfView, sweep_begin);
   Random random(drive_seed(config_), kNoise + static_cast<std::uint64_t>(sweep), begin);
   Pose pose = Pose::Identity();
-  float pose_time = HUGE_VALF;  // of no beam
+  float pose_time = HUGE_VALF;  // not the time of any beam
   for (std::size_t i = begin; i < end; ++i) {
     const Beam& beam = beams_[i];
     const float time = point_time(beam);

@@ -18,20 +18,19 @@ namespace scanlock {
 struct SimulationConfig {
   WorldKind world = WorldKind::kUrban;
   LidarKind lidar = LidarKind::kVlp16;
-  /// Of the drive; nothing: a minute, or as long as the laps take. With both, what comes first ends it.
+  /// Of the drive; nothing: 60 s, or the time that the laps take. With `laps`, the earlier end counts.
   std::optional<double> seconds;
-  std::optional<int> laps;  ///< of a closed loop; nothing: the world's own way
+  std::optional<int> laps;  ///< of a closed loop; nothing: the world's route without laps
   std::uint64_t seed = 1;
-  std::optional<std::uint64_t> drive_seed;  ///< of route, traffic and noise; nothing: the world's
-  double moved = 0;  ///< share of furniture and parked cars that stand elsewhere than without it, 0 to 1
+  std::optional<std::uint64_t> drive_seed;  ///< for route, traffic and noise; nothing: the world's seed
+  double moved = 0;  ///< fraction of the furniture and parked cars that are moved, 0 to 1
   std::vector<SimulationEvent> events;
-  double speed_mps = 0;           ///< cruising speed; 0: the world's own
-  double start_speed_mps = 0;     ///< as the drive begins
-  std::optional<double> noise_m;  ///< standard deviation of ranges; nothing: the sensor's own
-  bool motion_distortion =
-      true;                   ///< false: all points of a scan are taken at its stamp, and their times are 0
-  bool stamp_at_end = false;  ///< stamps the end of the sweep instead of its begin
-  int threads = 1;            ///< the result does not depend on it
+  double speed_mps = 0;           ///< cruising speed; 0: that of the world
+  double start_speed_mps = 0;     ///< at the start of the drive
+  std::optional<double> noise_m;  ///< standard deviation of ranges; nothing: that of the sensor
+  bool motion_distortion = true;  ///< false: all points of a scan are measured at its stamp, with time 0
+  bool stamp_at_end = false;      ///< scans are stamped at the end of the sweep instead of at its start
+  int threads = 1;                ///< the result does not depend on it
 };
 
 struct SimulatedScan {
@@ -41,28 +40,28 @@ struct SimulatedScan {
   double time_s = 0;                ///< scan.utime in seconds since the start of the drive
 };
 
-/// A LiDAR that is driven through a world. Each ray starts from the exact pose at its own time of firing.
-/// The result depends on the configuration alone, not on the machine's threads.
+/// A LiDAR that is driven through a world. Each ray starts from the exact pose at its own time. The result
+/// depends on the configuration alone, not on the number of threads.
 class Simulator {
  public:
-  /// utime of the start of the drive.
+  /// utime of the start of the drive, microseconds.
   static constexpr std::int64_t kStartUtime = 1600000000000000;
 
-  /// Throws std::invalid_argument with a sentence when the configuration makes no sense.
+  /// Throws std::invalid_argument with a sentence when the configuration is invalid.
   explicit Simulator(const SimulationConfig& config);
 
-  /// The next scan, or nothing when the drive is over.
+  /// The next scan; nothing when the drive is over.
   std::optional<SimulatedScan> next();
 
   /// Length of the drive in seconds.
   double seconds() const { return seconds_; }
-  /// Sweeps of the whole drive, those that a dropout swallows included.
+  /// Sweeps of the whole drive, including those lost in a dropout.
   std::int64_t sweeps() const;
-  /// The sweep that next() looks at first.
+  /// The first sweep that the next call of next() considers.
   std::int64_t position() const { return sweep_; }
 
-  /// Exact pose at a time, in seconds since the start, as the sweep that began at `sweep_begin` sees it:
-  /// a kidnapping takes effect between two sweeps.
+  /// The exact pose at time t, seconds since the start, for the sweep that began at `sweep_begin`: a kidnap
+  /// takes effect between two sweeps.
   Pose pose_at(double t, double sweep_begin) const;
 
   const World& world() const { return world_; }
@@ -72,7 +71,7 @@ class Simulator {
  private:
   struct Moving;
   struct Return {
-    float range = 0;  // 0: none
+    float range = 0;  // 0: no return
     float intensity = 0;
   };
   bool event_active(EventKind kind, double t) const;

@@ -41,7 +41,7 @@ double Terrain::lowest(int column, int row) const {
 
 void Terrain::intersect_cell(int column, int row, const Ray& ray, double enter, double leave,
                              Hit& hit) const {
-  // In cell units the patch is z = z0 + zu u + zv v + zuv u v, so that its height along the ray is a
+  // In units of cells the patch is z = z0 + zu u + zv v + zuv u v; its height along the ray is therefore a
   // parabola.
   const double z0 = corner(column, row), zu = corner(column + 1, row) - z0, zv = corner(column, row + 1) - z0;
   const double zuv = corner(column + 1, row + 1) - z0 - zu - zv;
@@ -53,10 +53,10 @@ void Terrain::intersect_cell(int column, int row, const Ray& ray, double enter, 
 
   const double discriminant = b * b - 4 * a * c;
   if (discriminant < 0) return;
-  // The form that does not cancel, also when a = 0.
+  // The form without cancellation, valid also for a = 0.
   const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
   const double first = a != 0 ? q / a : HUGE_VAL, second = q != 0 ? c / q : HUGE_VAL;
-  constexpr double kSlack = 1e-7;  // a root on the border belongs to both cells, not to none
+  constexpr double kSlack = 1e-7;  // a root on the border counts for both cells
   double range = HUGE_VAL;
   for (const double root : {first, second})
     if (root > 0 && root >= enter - kSlack && root <= leave + kSlack) range = std::min(range, root);

@@ -10,7 +10,8 @@
 
 namespace scanlock {
 
-/// Ground as a height field: one bilinear patch a square cell, continuous everywhere. Metres, world frame.
+/// The ground as a height field: one bilinear patch per square cell, continuous everywhere. Metres, world
+/// frame.
 class Terrain {
  public:
   Terrain() = default;
@@ -24,12 +25,12 @@ class Terrain {
   const Eigen::Vector2d& low() const { return low_; }
   Eigen::Vector2d high() const { return low_ + cell_ * Eigen::Vector2d(columns_, rows_); }
 
-  /// Height of the ground; outside the rectangle, of its nearest edge.
+  /// Height of the ground; outside the rectangle, that of its nearest edge.
   double height(double x, double y) const;
   double highest(int column, int row) const;
   double lowest(int column, int row) const;
 
-  /// Makes `hit` nearer when the ray meets this cell's patch at a range from `enter` to `leave`.
+  /// Replaces `hit` when the ray hits this cell's patch at a shorter range, between `enter` and `leave`.
   void intersect_cell(int column, int row, const Ray& ray, double enter, double leave, Hit& hit) const;
 
  private:

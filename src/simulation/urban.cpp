@@ -15,7 +15,7 @@
 namespace scanlock {
 namespace {
 
-constexpr double kPavement = 3.4;   // metres: up to the fronts of houses without a garden
+constexpr double kPavement = 3.4;   // metres: from the kerb to the fronts of houses without a garden
 constexpr double kLapLength = 600;  // metres
 
 /// Rolling ground, slopes of up to about 3 %.
@@ -24,7 +24,7 @@ double ground_height(double x, double y, const std::array<double, 4>& phase) {
          0.03 * sin(x / 6 + phase[3]) * sin(y / 7);
 }
 
-/// A slab that follows the slope of the ground and rises over it by the height of a kerb.
+/// Adds a slab that follows the slope of the ground and is higher than it by the height of a kerb.
 void add_pavement(Scene& scene, const Polyline& middle, double s, double length) {
   const Eigen::Vector3d centre = on_ground(scene, middle.at(s));
   const double yaw = middle.heading(s);
@@ -68,7 +68,7 @@ void add_tree(Scene& scene, const Eigen::Vector3d& place, Random& random) {
   scene.add(Ellipsoid{place + Eigen::Vector3d(0, 0, 2.6 + high), {wide, wide, high}, 0.9, 0.3});
 }
 
-/// Pavement, cars, trees, lamps and houses along one side of one street.
+/// Adds pavement, parked cars, trees, lamps and houses along one side of a street.
 void furnish_side(Scene& scene, const StreetPlan& plan, std::size_t street, bool left, Random& random,
                   Changes& changes) {
   const double side = left ? 1 : -1;
@@ -82,7 +82,7 @@ void furnish_side(Scene& scene, const StreetPlan& plan, std::size_t street, bool
   for (double s = kSlab / 2; s < pavement.length(); s += kSlab)
     if (plan.clear_of_others(street, pavement.at(s), kKerb + kSlab / 2))
       add_pavement(scene, pavement, s, kSlab);
-  Scene elsewhere;  // for what does not stand here any more
+  Scene elsewhere;  // receives cars that have been moved away, and is discarded
   for (double s = 5; s < parking.length(); s += random.uniform(5.6, 7.5)) {
     const bool parked = random.chance(0.6) && clear(parking.at(s), 3), changed = changes.next();
     const auto park = [&](double at, Scene& where, Random& dice) {
@@ -110,13 +110,14 @@ void furnish_side(Scene& scene, const StreetPlan& plan, std::size_t street, bool
   add_buildings(scene, plan, street, side, random);
 }
 
-/// Traffic in both lanes of every street, people on the pavements, one car before and one behind our own.
+/// Cars in both lanes of every street, people on the pavements, one car in front of the carrier and one
+/// behind it.
 std::vector<Mover> make_traffic(const StreetPlan& plan, const Polyline& route, Random& random) {
   std::vector<Mover> movers;
   for (const Polyline& axis : plan.streets)
     for (const bool back : {false, true}) {
       const Polyline lane = (back ? axis.reversed() : axis).offset(-kLane).resampled(2);
-      const double speed = random.uniform(6, 12);  // one for the lane, so that nobody is run over
+      const double speed = random.uniform(6, 12);  // one speed per lane, so that cars do not collide
       for (double s = random.uniform(0, 60); s < lane.length() - 20; s += random.uniform(25, 120))
         movers.push_back(make_car(lane, s, speed, random.uniform(0.1, 0.8)));
       const Polyline walk =

@@ -10,7 +10,7 @@
 namespace scanlock {
 namespace {
 
-/// A house's own frame: origin at the middle of the front on the ground, x along the front, y away from the
+/// Frame of a house: origin at the centre of its front on the ground, x along the front, y away from the
 /// street.
 struct Lot {
   Eigen::Vector3d origin;
@@ -21,16 +21,16 @@ struct Lot {
   Eigen::Vector3d world(double x, double y, double z) const {
     return origin + Eigen::Vector3d(cos(yaw) * x - sin(yaw) * y, sin(yaw) * x + cos(yaw) * y, z);
   }
-  /// A box from front to back y0..y1, centred at x, bottom z.
+  /// A box from y0 to y1, centred at x, with its bottom at z.
   Box box(double x, double y0, double y1, double z, double wide, double high) const {
     return Box::upright(world(x, (y0 + y1) / 2, z), yaw, {wide, y1 - y0, high}, reflectivity);
   }
 };
 
-/// The front stands out from the wall by pillars and bands, so that windows are recesses; some bays have
-/// balconies.
+/// Adds a house. Pillars and bands protrude from the wall of its front, so that windows are recesses; some
+/// houses have balconies.
 void add_house(Scene& scene, const Lot& lot, Random& random) {
-  constexpr double kSink = 1.5;  // foundations, for the ground slopes
+  constexpr double kSink = 1.5;  // depth of the foundations, since the ground slopes
   const double recess = random.uniform(0.12, 0.35);
   scene.add(lot.box(0, recess, lot.depth, -kSink, lot.width, lot.height + kSink));
 

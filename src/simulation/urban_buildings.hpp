@@ -8,8 +8,8 @@
 
 namespace scanlock {
 
-/// Houses of many widths, heights and setbacks along one side (+1 left, -1 right) of a street,
-/// with walls or hedges in the gaps between them, none of it on another street.
+/// Adds houses of random widths, heights and setbacks along one side (+1 left, -1 right) of a street, with
+/// walls or hedges in the gaps between them; none of them stands on another street.
 void add_buildings(Scene& scene, const StreetPlan& plan, std::size_t street, double side, Random& random);
 
 }  // namespace scanlock

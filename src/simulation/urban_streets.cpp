@@ -12,11 +12,11 @@ namespace scanlock {
 namespace {
 
 constexpr int kStreets = 7;     // in each direction
-constexpr double kBeyond = 25;  // of streets beyond their last crossing, metres
+constexpr double kBeyond = 25;  // metres of street beyond the last crossing
 constexpr double kSpacing = 0.5,
-                 kBend = 9;  // of a route's points, and over which its corners are rounded, metres
+                 kBend = 9;  // metres: spacing of a route's points; length over which corners are rounded
 
-/// A street's middle as a function of the coordinate it runs along.
+/// The centre line of a street as a function of the coordinate along which it runs.
 struct Wave {
   double base, amplitude, length, phase;
   double at(double u) const { return base + amplitude * sin(u / length + phase); }
@@ -41,7 +41,7 @@ Polyline sample_street(const Wave& wave, double from, double to, bool along_x) {
 
 const Eigen::Vector2i kSteps[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};  // by heading
 
-/// The right lane from one crossing to the next, without the last metres where the bend takes over.
+/// The right lane from one crossing to the next, without 6 m at both ends, where the bends are.
 Polyline lane_between(const StreetPlan& plan, const Eigen::Vector2i& at, int heading) {
   const Eigen::Vector2i to = at + kSteps[heading];
   const bool along_x = heading % 2 == 0;
@@ -58,7 +58,7 @@ Polyline lane_between(const StreetPlan& plan, const Eigen::Vector2i& at, int hea
   return Polyline(leg).offset(-kLane);
 }
 
-/// Blocks from one crossing to another, as [street along y, street along x].
+/// The rectangle of blocks between two crossings, each as [street along y, street along x].
 struct Blocks {
   Eigen::Vector2i low, high;
 };
@@ -90,7 +90,7 @@ Blocks blocks_around(const StreetPlan& plan, double length) {
 bool StreetPlan::clear_of_others(std::size_t own, const Eigen::Vector2d& p, double distance) const {
   for (std::size_t i = 0; i < streets.size(); ++i) {
     if (i == own) continue;
-    // Streets are sampled each metre along their axis: look at the stretch beside p only.
+    // Streets are sampled every metre along their axis: only the stretch beside p is searched.
     const auto& points = streets[i].points();
     const bool along_x = static_cast<int>(i) < across;
     const double u = along_x ? p.x() - points.front().x() : p.y() - points.front().y();
@@ -134,7 +134,7 @@ Polyline plan_route(const StreetPlan& plan, double length, Random& random) {
 
     at += kSteps[heading];
     const int straight = heading;
-    do {  // one third straight on, one third to either side, as far as the town reaches
+    do {  // straight on, left or right with equal probability, within the town
       heading = (straight + random.integer(-1, 1) + 4) % 4;
     } while (!inside(at + kSteps[heading]));
   }
@@ -143,7 +143,7 @@ Polyline plan_route(const StreetPlan& plan, double length, Random& random) {
 
 Polyline plan_loop(const StreetPlan& plan, double length, Random& random) {
   const Blocks blocks = blocks_around(plan, length);
-  const int first = random.integer(0, 1), turn = first == 0 ? 1 : -1;  // to the left all round, or the right
+  const int first = random.integer(0, 1), turn = first == 0 ? 1 : -1;  // all left turns or all right turns
   Eigen::Vector2i at = blocks.low;
   std::vector<Eigen::Vector2d> points;
   std::size_t half_a_leg = 0;

@@ -56,7 +56,7 @@ DriveStyle style_of(WorldKind kind) {
     case WorldKind::kUrban:
       style.stop_every_m = 350;
       break;
-    case WorldKind::kIndoor:  // a robot that turns on the spot almost, up to 120 degrees a second
+    case WorldKind::kIndoor:  // a robot that turns almost on the spot, at up to 120 degrees per second
       style.slow_mps = 0.5;
       style.fast_mps = 1.2;
       style.accelerate = style.brake = 1;
