@@ -1,10 +1,13 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
 //
-// Stands before the compiler's own arm_neon.h when scanlock is built for arm64, so that Eigen, which includes it, gives the same
-// bits there as on amd64. Two things differ between its code for both:
-// - It asks for fused multiply-adds, which round once, by their names, whatever -ffp-contract says.
-// - It has packets of two floats, and adds three of them as (a + b) + c; where the smallest packet has four, as a + (b + c).
+// When scanlock is built for arm64, this header is found before the compiler's own arm_neon.h. It makes
+// Eigen, which includes arm_neon.h, compute the same bits on arm64 as on amd64. Eigen's code for arm64
+// differs in two respects:
+// - It calls the intrinsics for fused multiply-add, which round once, regardless of -ffp-contract; the macros
+//   below replace them by a multiplication and an addition.
+// - It has packets of two floats, and adds three floats as (a + b) + c; on amd64, where the smallest packet
+//   has four floats, it adds them as a + (b + c). The specialisation below excludes packets of two floats.
 #pragma once
 
 #include_next <arm_neon.h>

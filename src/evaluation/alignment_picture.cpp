@@ -14,7 +14,7 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kDrawn = 4000;  // points of a cloud
+constexpr std::size_t kDrawn = 4000;  // of each cloud, about
 constexpr double kPanel = 420, kGap = 60, kTop = 60;
 constexpr int kColours = 6;
 constexpr std::array<const char*, kColours> kPalette = {"#30123b", "#3e7bf5", "#1ae4b6",
@@ -22,7 +22,7 @@ constexpr std::array<const char*, kColours> kPalette = {"#30123b", "#3e7bf5", "#
 
 struct View {
   const char *name, *across, *up;
-  int a, b;  // coordinates drawn
+  int a, b;  // indices of the coordinates drawn
 };
 constexpr std::array<View, 3> kViews = {{{"from above", "x, m", "y, m", 0, 1},
                                          {"from the side", "x, m", "z, m", 0, 2},
@@ -50,7 +50,7 @@ std::vector<double> distances(const Dots& dots, const KdTree& tree, const Eigen:
   return result;
 }
 
-/// The middle 98 % of the target and of the source, in one coordinate.
+/// The central 98 % of one coordinate of target and source, with a margin.
 std::pair<double, double> extent(const Dots& target, const Dots& source, int coordinate) {
   std::vector<double> values;
   for (const Dots* dots : {&target, &source}) {
@@ -74,7 +74,7 @@ std::string panel(const View& view, SvgPanel::Frame frame, const Dots& source, c
   const auto [a0, a1] = extent(target, source, view.a);
   const auto [b0, b1] = extent(target, source, view.b);
   const SvgPanel axes = SvgPanel::equal_scales(frame, {a0, b0}, {a1, b1});
-  // One path a colour: its points are lines of no length with round ends.
+  // One path per colour: each point is a line of zero length with round ends.
   std::array<std::string, kColours + 1> paths;
   const auto draw = [&](const Eigen::Vector3d& p, std::size_t colour) {
     const Eigen::Vector2d at = axes.to_pixels({p[view.a], p[view.b]});
@@ -89,7 +89,7 @@ std::string panel(const View& view, SvgPanel::Frame frame, const Dots& source, c
     draw(source.points[i], static_cast<std::size_t>(source.colours[i]));
   std::string svg = axes.grid(view.across, view.up, 5, 5);
   for (std::size_t k = 0; k <= kColours; ++k) {
-    const std::size_t colour = (k + kColours) % (kColours + 1);  // the target first, beneath the source
+    const std::size_t colour = (k + kColours) % (kColours + 1);  // the target first, below the source
     if (paths[colour].empty()) continue;
     svg += std::string("<path class=\"dots\" stroke=\"") +
            (colour == kColours ? "#b8b8b8" : kPalette[colour]) + "\" d=\"" + paths[colour] + "\"/>\n";
@@ -103,7 +103,7 @@ std::string text(double x, double y, const std::string& words, const char* colou
   return head + escaped(words) + "</text>\n";
 }
 
-/// The classes double from one colour to the next, the first ending at `unit` metres.
+/// Each colour class is twice as wide as the one before; the first ends at `unit` metres.
 int colour_of(double distance, double unit) {
   if (!(distance > unit)) return 0;
   return std::min(kColours - 1, 1 + static_cast<int>(std::log2(distance / unit)));

@@ -8,16 +8,17 @@
 
 namespace scanlock {
 
-/// What an alignment did, all in the target's frame.
+/// The result of an alignment; all clouds are in the target's frame.
 struct AlignmentPicture {
-  PointCloud before;  ///< the source where it was given
-  PointCloud after;   ///< the source where it ended
+  PointCloud before;  ///< the source at its initial pose
+  PointCloud after;   ///< the source at its final pose
   PointCloud target;
   std::string title;
 };
 
-/// An SVG picture: from above, from the side and from the front, before in the upper row and after in the
-/// lower; the source coloured by its distance to the target. Large clouds are thinned for the eye.
+/// An SVG picture with views from above, from the side and from the front; the upper row shows the source
+/// before, the lower row after the alignment, coloured by its distance to the target. Large clouds are
+/// thinned for display.
 std::string alignment_svg(const AlignmentPicture& picture);
 
 }  // namespace scanlock

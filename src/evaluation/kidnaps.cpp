@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kJumpMetres = 1.0, kJumpAngle = 20 * kDegree;
 constexpr double kAcceleration = 20, kAngularAcceleration = 50;  // m/s^2, rad/s^2: more than any vehicle's
-constexpr double kRise = 1.0;                                    // metres between two claims: no drift
+constexpr double kRise = 1.0;                                    // metres; a larger step is a jump, not drift
 
 double metres(const Pose& difference) {
   return difference.translation().norm();
@@ -25,8 +25,9 @@ double degrees(const Pose& difference) {
 }
 
 /// The rotation nearest to the mean of R_reference R_estimate^T, and the translation that goes with it.
-/// Unlike a fit of the positions alone, it is sure on a straight way too. Rests on the poses that the
-/// estimate itself stands for: what drifts along a tunnel, and says so, tells nothing of the frame.
+/// Unlike a fit of the positions alone, it is well determined on a straight path, too. Uses only poses in
+/// state TRACKING (and the first pose): poses that drift along a degenerate axis, as in a tunnel, are
+/// DEGRADED and would bias it.
 Pose mean_alignment(const PosePairs& pairs, const std::vector<StampedState>& states, double before_s,
                     Overlay kind) {
   if (kind == Overlay::kNone) return Pose::Identity();
@@ -55,7 +56,7 @@ Pose mean_alignment(const PosePairs& pairs, const std::vector<StampedState>& sta
   return mean;
 }
 
-/// Whether the estimate is where the reference is, and says so where it can.
+/// Whether the pose is near the reference and its state, where known, is TRACKING or DEGRADED.
 bool is_home(const PosePair& pair, const Pose& alignment, const std::vector<StampedState>& states) {
   if (!claims_to_track(states, pair.time_s)) return false;
   const Pose error = pair.reference.inverse() * (alignment * pair.estimate);
@@ -65,7 +66,7 @@ bool is_home(const PosePair& pair, const Pose& alignment, const std::vector<Stam
 std::optional<double> recovery_time(const PosePairs& pairs, const Pose& alignment,
                                     const std::vector<StampedState>& states, double from_s, double to_s) {
   constexpr double kAway = -1;
-  double since_s = kAway;  // it is home, by the clock of `from_s`
+  double since_s = kAway;  // start of the current run of poses near the reference, s after from_s
   for (const PosePair& pair : pairs) {
     if (pair.time_s < from_s - kSameTime || pair.time_s >= to_s - kSameTime) continue;
     const double now_s = std::max(0.0, pair.time_s - from_s);
@@ -95,19 +96,20 @@ int count_wrong_jumps(const PosePairs& pairs, const Pose& alignment, const std::
     const auto state = state_at(states, pair.time_s);
     double error = metres(pair.reference.inverse() * (frame * pair.estimate));
     const double step = error - std::exchange(error_before, error);
-    // A run that begins by tracking is at home, wherever what came later has laid its beginning.
+    // The error of the first poses, while INITIALISING, is the baseline: the alignment uses later poses, too,
+    // and may place the start wrongly.
     beginning = beginning && state == TrackingState::kInitialising;
     if (beginning) last_error = error;
-    if (state == TrackingState::kDegraded) {  // it names the axis that it drifts along; a leap is no drift
+    if (state == TrackingState::kDegraded) {  // drift along a degenerate axis is expected; a jump is not
       if (step < kRise) last_error += step;
       continue;
     }
     if (state != TrackingState::kTracking) {
-      wrong_now = false;  // it says itself that it is lost
+      wrong_now = false;  // the estimate itself reports that it is lost
       continue;
     }
-    // Who goes on in a new map, without a jump, claims no place in the old one: from here on its frame
-    // counts.
+    // An estimate that begins a new epoch without a jump continues in a new map, which has no pose in the old
+    // one: from here on it is compared in the frame of the new map.
     const std::uint32_t epoch_now = said_at(states, pair.time_s)->epoch;
     const Pose way = last->reference.inverse() * pair.reference;
     const Pose said = last->estimate.inverse() * pair.estimate;
@@ -132,19 +134,19 @@ int count_wrong_jumps(const PosePairs& pairs, const Pose& alignment, const std::
 std::vector<Kidnap> find_kidnaps(const Trajectory& reference) {
   std::vector<Kidnap> kidnaps;
   Vector6 velocity = Vector6::Zero();
-  bool known = false;  // the velocity
+  bool known = false;  // whether `velocity` is known
   for (std::size_t i = 1; i < reference.size(); ++i) {
     const double dt = reference[i].time_s - reference[i - 1].time_s;
     if (!(dt > 0)) continue;
     const Pose step = reference[i - 1].pose.inverse() * reference[i].pose;
     const Pose surprise = known ? se3_exp(dt * velocity).inverse() * step : step;
-    // Where the start is in motion, its speed is not known yet: no vehicle does 100 m/s.
+    // The speed at the start is not known: up to 100 m/s and 10 rad/s are permitted.
     const double metres_allowed = kJumpMetres + 0.5 * kAcceleration * dt * dt + (known ? 0 : 100 * dt);
     const double degrees_allowed =
         (kJumpAngle + 0.5 * kAngularAcceleration * dt * dt + (known ? 0 : 10 * dt)) / kDegree;
     if (metres(surprise) > metres_allowed || degrees(surprise) > degrees_allowed) {
       kidnaps.push_back({i, reference[i].time_s, metres(surprise), degrees(surprise), std::nullopt});
-      known = false;  // who is set down the other way round drives backwards
+      known = false;  // the velocity is unknown after a kidnap: the robot may face another way
       continue;
     }
     velocity = se3_log(step) / dt;

@@ -10,7 +10,7 @@
 
 namespace scanlock {
 
-/// What the daemon said of one of its poses.
+/// The state that the daemon published with one of its poses.
 struct StampedState {
   double time_s = 0;  ///< seconds, stamp of the scan
   TrackingState state = TrackingState::kInitialising;
@@ -20,19 +20,18 @@ struct StampedState {
   Matrix6 covariance = Matrix6::Zero();  ///< of T exp(xi), [translation; rotation] in the body frame
 };
 
-/// The channel on which scanlockd publishes what its poses are worth.
+/// The channel on which scanlockd publishes state and covariance of its poses.
 constexpr const char* kDefaultOdometryChannel = "SCANLOCK_ODOMETRY";
 
-/// The states of scanlock.odometry_t on a channel, in the order of time. `source` is what load_trajectory
-/// takes; empty for a source that is no log, or has none. Throws std::runtime_error when a log cannot be
-/// read.
+/// The states of scanlock.odometry_t on a channel, in the order of time. `source` is as for
+/// load_trajectory(); the result is empty when it is not a log, or has no such messages. Throws
+/// std::runtime_error when a log cannot be read.
 std::vector<StampedState> load_states(const std::string& source,
                                       const std::string& channel = kDefaultOdometryChannel);
 
-constexpr double kSameTime = 2e-6;  ///< seconds; doubles near 1.6e9 hold 0.2 us
+constexpr double kSameTime = 2e-6;  ///< seconds; doubles near 1.6e9 have a resolution of 0.2 us
 
-/// What was said at a time, or null where nothing was within a microsecond or two. `states` in the order of
-/// time.
+/// The state at a time; null when none is within kSameTime. `states` must be in the order of time.
 const StampedState* said_at(const std::vector<StampedState>& states, double time_s);
 
 }  // namespace scanlock

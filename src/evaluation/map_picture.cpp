@@ -14,11 +14,11 @@
 namespace scanlock {
 namespace {
 
-constexpr double kPlanLeft = 76, kPlanTop = 70, kPlanWidth = 890, kPlanHeight = 760;  // pixels, of the panel
-constexpr double kPlanCells = 450;       // of the plan, along its longer side
-constexpr float kStandingLevel = 0.25F;  // metres: points on three such levels, one above the other, stand
+constexpr double kPlanLeft = 76, kPlanTop = 70, kPlanWidth = 890, kPlanHeight = 760;  // pixels
+constexpr double kPlanCells = 450;       // cells along the longer side of the plan
+constexpr float kStandingLevel = 0.25F;  // metres; points at three consecutive levels are a vertical surface
 constexpr std::size_t kListedCorrections = 12,
-                      kLongestEvidence = 130;  // corrections, and letters of their evidence
+                      kLongestEvidence = 130;  // corrections, and characters of their evidence
 
 using PlanCell = std::pair<int, int>;
 
@@ -30,7 +30,7 @@ struct PlanExtent {
   }
 };
 
-/// The middles of the cells in which something stands.
+/// The centres of the cells that contain a vertical surface.
 Points2 plan_of(const PointCloud& map, double cell) {
   std::map<PlanCell, std::set<int>> levels;
   for (std::size_t i = 0; i < map.size(); ++i) {
@@ -41,7 +41,7 @@ Points2 plan_of(const PointCloud& map, double cell) {
   }
   Points2 plan;
   for (const auto& [at, heights] : levels) {
-    // A floor that is noisy has two, and the ceiling above it others.
+    // A noisy floor occupies two levels, and the ceiling above it others.
     const auto stands = [&](int level) {
       return heights.count(level + 1) != 0 && heights.count(level + 2) != 0;
     };

@@ -10,22 +10,22 @@
 
 namespace scanlock {
 
-/// A map, and the way of a robot in it; everything in the frame of the map, metres, z up.
+/// A map and the path of a robot in it; all coordinates are in the map frame, metres, z up.
 struct MapPicture {
-  /// A pose that a relocalisation or a loop closure put right.
+  /// A pose corrected by a relocalisation or a loop closure.
   struct Correction {
     Eigen::Vector3d position;
-    double time_s = 0;     ///< since the first scan
+    double time_s = 0;     ///< seconds since the first scan
     std::string evidence;  ///< in words
   };
   PointCloud map;
-  std::vector<std::vector<Eigen::Vector3d>> ways;  ///< pieces without a jump, of poses that are known
+  std::vector<std::vector<Eigen::Vector3d>> ways;  ///< path segments of known poses, without jumps
   std::vector<Correction> corrections;
   std::string title;
 };
 
-/// An SVG picture from above: the vertical surfaces of the map as a floor plan, the ways, and the
-/// corrections, numbered. Below, of the first ones, when and by what evidence.
+/// An SVG picture from above: the vertical surfaces of the map as a floor plan, the path, and the numbered
+/// corrections. Below it, time and evidence of the first corrections.
 std::string map_svg(const MapPicture& picture);
 
 }  // namespace scanlock

@@ -26,7 +26,7 @@ PosePairs match_by_time(Trajectory estimate, Trajectory reference, double tolera
   sort_by_time(estimate);
   sort_by_time(reference);
   const std::vector<double> way = way_along(reference);
-  // Times near 1.6e9 s are known to 0.2 us; without that slack, 10 ms would at times be more than 10 ms.
+  // Times near 1.6e9 s are rounded to 0.2 us; without slack, a difference of 10 ms could exceed 10 ms.
   const double tolerance = tolerance_s + 1e-6;
   PosePairs pairs;
   std::size_t nearest = 0, last_used = reference.size();

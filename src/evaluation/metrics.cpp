@@ -36,7 +36,8 @@ Pose best_yaw(const Eigen::Matrix3Xd& estimate, const Eigen::Matrix3Xd& referenc
   return pose;
 }
 
-/// The first pair from `first` on that is at least `length_m` further along the way, or the number of pairs.
+/// Index of the first pair from `first` on that is at least `length_m` farther along the reference, or the
+/// number of pairs.
 std::size_t end_of_stretch(const PosePairs& pairs, std::size_t first, double length_m) {
   const double target = pairs[first].way_m + length_m;
   const auto found = std::lower_bound(pairs.begin() + static_cast<std::ptrdiff_t>(first), pairs.end(), target,
@@ -44,7 +45,7 @@ std::size_t end_of_stretch(const PosePairs& pairs, std::size_t first, double len
   return static_cast<std::size_t>(found - pairs.begin());
 }
 
-/// Adds the error from pair to pair, per metre of `way_m`: a fraction and degrees, not yet a mean.
+/// Adds the error of one stretch, divided by `way_m` metres, to the sums of percent and deg/m.
 void add_stretch(const PosePair& from, const PosePair& to, double way_m, RelativeError& sum) {
   const Pose reference = from.reference.inverse() * to.reference;
   const Pose estimate = from.estimate.inverse() * to.estimate;
@@ -118,7 +119,7 @@ std::optional<RelativeError> kitti_error(const PosePairs& pairs) {
     for (double length_m = 100; length_m <= 800; length_m += 100) {
       const std::size_t last = end_of_stretch(pairs, first, length_m);
       if (last == pairs.size()) break;
-      add_stretch(pairs[first], pairs[last], length_m, sum);  // the kit divides by the nominal length
+      add_stretch(pairs[first], pairs[last], length_m, sum);  // the development kit divides by nominal length
     }
   }
   return mean_of(sum);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kPlanarAxes = 1u << 2 | 1u << 3 | 1u << 4;  // z, roll, pitch
 
-/// A pose of the estimate with what was said of it.
+/// A pair and the state published with its estimate.
 struct Judged {
   const PosePair* pair;
   const StampedState* said;
@@ -35,7 +35,7 @@ bool has_covariance(const StampedState& said) {
   return stands_for_it && !said.covariance.isZero(0);
 }
 
-/// The first pose with a covariance beyond each multiple of the spacing.
+/// The first pose with a covariance after each multiple of the spacing.
 std::vector<Judged> spaced(const std::vector<Judged>& judged) {
   const double begin = judged.front().pair->way_m, way = judged.back().pair->way_m - begin;
   const double spacing = way > kLongWay ? kLongNeesSpacing : kNeesSpacing;
@@ -50,7 +50,7 @@ std::vector<Judged> spaced(const std::vector<Judged>& judged) {
   return taken;
 }
 
-/// e^T C^-1 e, with C scaled to ones on its diagonal, for metres and radians differ by orders of magnitude.
+/// e^T C^-1 e, with C scaled to a unit diagonal, because metres and radians differ by orders of magnitude.
 double squared_by(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& error) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   if (!covariance.allFinite() || !(covariance.diagonal().minCoeff() > 0)) return kInfinite;
@@ -61,7 +61,7 @@ double squared_by(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& erro
   return factor.matrixL().solve(scaled).squaredNorm();
 }
 
-/// x, y and yaw of a vector or of both sides of a matrix.
+/// x, y and yaw of a vector, or of the rows and columns of a matrix.
 Eigen::VectorXd planar(const Vector6& v) {
   return Eigen::Vector3d(v[0], v[1], v[5]);
 }

@@ -46,7 +46,7 @@ std::string relative_text(const std::optional<RelativeError>& error) {
   return number("%.2f %%, ", error->percent) + number("%.4f deg/m", error->deg_per_m);
 }
 
-/// Whether the errors of the tracked poses tell something else than those of all.
+/// Whether the report distinguishes errors of tracked poses from errors of all poses.
 bool is_split(const Comparison& comparison) {
   return comparison.split.tracking && comparison.split.tracking->poses < comparison.pairs.size();
 }
@@ -61,7 +61,7 @@ struct Range {
   double min, max;
 };
 
-/// The range of the values with a margin, and never narrower than `least`.
+/// The range of the values with a margin; its width without the margin is at least `least`.
 Range range_of(const std::vector<double>& values, double least, double margin) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   const double middle = (*low + *high) / 2;
@@ -69,15 +69,15 @@ Range range_of(const std::vector<double>& values, double least, double margin) {
   return {middle - half, middle + half};
 }
 
-/// How the picture lays the estimate over the reference: by all tracked poses, for a few before a kidnap say
-/// little of the attitude.
+/// The alignment used in the picture: from all tracked poses, because a few poses before a kidnap determine
+/// the attitude poorly.
 const Pose& picture_overlay(const Comparison& comparison) {
   if (is_split(comparison)) return comparison.split.tracking->reference_from_estimate;
   return comparison.kidnaps.kidnaps.empty() ? comparison.evaluation.reference_from_estimate
                                             : comparison.kidnaps.reference_from_estimate;
 }
 
-/// The reference without lines across the kidnaps.
+/// The reference, cut at the kidnaps.
 std::vector<Points2> reference_pieces(const Comparison& comparison) {
   std::vector<Points2> pieces(1);
   auto next = comparison.kidnaps.kidnaps.begin();
@@ -91,7 +91,7 @@ std::vector<Points2> reference_pieces(const Comparison& comparison) {
   return pieces;
 }
 
-/// A stretch of the estimate of one kind.
+/// Consecutive poses of the estimate that are all tracked, or all not tracked.
 struct Stretch {
   bool tracking;
   Points2 line;
@@ -171,12 +171,12 @@ std::string height_over_the_way(const Comparison& comparison) {
          side.line(estimate, "estimate");
 }
 
-/// The errors of the tracked poses, in pieces; of all, where no other is known.
+/// The errors of the tracked poses, in connected pieces; of all poses when they are not split.
 std::vector<Points2> error_pieces(const Comparison& comparison) {
   const bool split = is_split(comparison);
   const std::vector<double> errors = position_errors(comparison.pairs, picture_overlay(comparison));
   std::vector<Points2> pieces;
-  bool joined = false;  // with the one before
+  bool joined = false;  // with the previous pair
   for (std::size_t i = 0; i < comparison.pairs.size(); ++i) {
     const bool shown = !split || comparison.split.tracked[i] != 0;
     if (shown && !joined) pieces.emplace_back();

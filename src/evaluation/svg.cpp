@@ -94,7 +94,7 @@ SvgPanel::SvgPanel(Frame frame, Eigen::Vector2d data_min, Eigen::Vector2d data_m
 
 SvgPanel SvgPanel::equal_scales(Frame frame, Eigen::Vector2d data_min, Eigen::Vector2d data_max) {
   const Eigen::Vector2d span = data_max - data_min, centre = (data_min + data_max) / 2;
-  const double unit = std::max(span.x() / frame.width, span.y() / frame.height);  // data a pixel
+  const double unit = std::max(span.x() / frame.width, span.y() / frame.height);  // data units per pixel
   const Eigen::Vector2d half = unit / 2 * Eigen::Vector2d(frame.width, frame.height);
   return SvgPanel(frame, centre - half, centre + half);
 }
@@ -158,7 +158,7 @@ std::string SvgPanel::scale_bar() const {
 
 std::string SvgPanel::label(const Eigen::Vector2d& place, const std::string& text) const {
   const Eigen::Vector2d p = to_pixels(place);
-  constexpr double kCharacter = 7;  // pixels, about
+  constexpr double kCharacter = 7;  // pixels, approximately
   const double width = 10 + kCharacter * static_cast<double>(text.size());
   const bool at_the_right = p.x() + width > frame_.left + frame_.width;
   return printed("<text class=\"axis halo\" text-anchor=\"%s\" x=\"%.1f\" y=\"%.1f\">",

@@ -6,25 +6,26 @@
 #include <string>
 #include <vector>
 
-// The few shapes that our pictures need; coordinates are SVG's, in pixels, y down.
+// The few shapes that scanlock's pictures need; coordinates are SVG's: pixels, y down.
 namespace scanlock {
 
 using Points2 = std::vector<Eigen::Vector2d>;
 
-/// The line without the points that lie within `tolerance` of it (Douglas and Peucker); ends are kept.
+/// Removes the points that lie within `tolerance` of the simplified line (Douglas and Peucker); keeps the
+/// ends.
 Points2 simplified(const Points2& line, double tolerance);
 
-/// Steps of 1, 2 or 5 times a power of ten: the largest that gives at least `count` / 2.5 of them over `span`
-/// > 0.
+/// The smallest step of 1, 2 or 5 times a power of ten with at most `count` steps in `span`, which must be >
+/// 0.
 double nice_step(double span, int count);
 
-/// A number as short as its step allows: 0.25, 120.
+/// The value with as many decimals as `step` needs: 0.25, 120.
 std::string tick_label(double value, double step);
 
-/// Text that may stand in XML.
+/// Text with the special characters of XML escaped.
 std::string escaped(const std::string& text);
 
-/// A rectangle of the picture that shows a rectangle of data, y up.
+/// A rectangle of the picture that shows a rectangle of the data, y up.
 class SvgPanel {
  public:
   struct Frame {
@@ -32,7 +33,7 @@ class SvgPanel {
   };
   /// Data ranges must not be empty (min < max).
   SvgPanel(Frame frame, Eigen::Vector2d data_min, Eigen::Vector2d data_max);
-  /// The same with equal scales: the data range is widened on one axis and centred.
+  /// A panel with equal scales: the data range is widened along one axis and stays centred.
   static SvgPanel equal_scales(Frame frame, Eigen::Vector2d data_min, Eigen::Vector2d data_max);
 
   Eigen::Vector2d to_pixels(const Eigen::Vector2d& data) const;
@@ -40,11 +41,11 @@ class SvgPanel {
 
   /// Frame, grid, tick labels and the titles of both axes.
   std::string grid(const std::string& x_title, const std::string& y_title, int x_ticks, int y_ticks) const;
-  /// A line through data points, thinned to what the eye can tell apart. `css_class` names its style.
+  /// A line through data points, simplified to visible detail. `css_class` names its style.
   std::string line(const Points2& data, const std::string& css_class) const;
-  /// A bar of a round length in the lower left corner, with its length in metres.
+  /// A bar of a round length, labelled in metres, in the lower left corner.
   std::string scale_bar() const;
-  /// A word beside a place.
+  /// A text beside a position.
   std::string label(const Eigen::Vector2d& place, const std::string& text) const;
   std::string circle(const Eigen::Vector2d& place, const std::string& css_class) const;
   std::string square(const Eigen::Vector2d& place, const std::string& css_class) const;

@@ -7,7 +7,7 @@
 namespace scanlock {
 namespace {
 
-/// The pairs between a kidnap and the return from it.
+/// The pairs between a kidnap and the recovery from it; marks them as not tracked.
 PosePairs away_pairs(const PosePairs& pairs, const std::vector<Kidnap>& kidnaps, std::size_t index,
                      std::vector<char>& tracked) {
   const Kidnap& kidnap = kidnaps[index];
@@ -25,7 +25,7 @@ PosePairs away_pairs(const PosePairs& pairs, const std::vector<Kidnap>& kidnaps,
   return away;
 }
 
-/// Stretches of pairs that are tracked one after the other.
+/// Runs of consecutive tracked pairs.
 std::vector<PosePairs> tracked_runs(const PosePairs& pairs, const std::vector<char>& tracked) {
   std::vector<PosePairs> runs;
   for (std::size_t i = 0; i < pairs.size(); ++i) {

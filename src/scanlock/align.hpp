@@ -1,6 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Component core: the methods of "Fast and Robust Iterative Closest Point", from a start: align_clouds().
+// Component core: alignment of two clouds from an initial pose by the methods of "Fast and Robust Iterative
+// Closest Point": align_clouds().
 #pragma once
 
 #include "icp/cloud_alignment.hpp"

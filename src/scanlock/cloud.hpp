@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Component core: points, scans, and what is done to them before an alignment.
+// Component core: points, scans, and their preparation before an alignment.
 #pragma once
 
 #include "geometry/moved_cloud.hpp"

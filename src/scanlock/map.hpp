@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Component core: maps to be loaded into a Mapper, out of clouds, and clouds out of maps.
+// Component core: makes maps for a Mapper from clouds, and clouds from maps.
 #pragma once
 
 #include "mapping/cloud_map.hpp"

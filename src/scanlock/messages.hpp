@@ -1,7 +1,8 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Component files: the bytes of LCM messages to scans, poses to the bytes of messages, without a library of
-// LCM. The message types themselves are in scanlock/lcmtypes/PACKAGE/TYPE.hpp, which want the component lcm.
+// Component files: decodes LCM messages (their bytes) to scans, and encodes scans and poses to messages,
+// without an LCM library. The message types themselves, scanlock/lcmtypes/PACKAGE/TYPE.hpp, need component
+// lcm.
 #pragma once
 
 #include "messages/decode_scan.hpp"

@@ -1,7 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Component core: LiDAR odometry with relocalisation and loop closure: Mapper takes scans and gives poses;
-// its requests are what MapWorker does, between two scans or in a thread of its own.
+// Component core: LiDAR odometry with relocalisation and loop closure. Mapper takes scans and returns poses;
+// MapWorker executes Mapper's requests, between two scans or in a thread of its own.
 #pragma once
 
 #include "mapping/mapper.hpp"

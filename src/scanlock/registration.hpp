@@ -1,7 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Component core: registration without a start, with its certificate: register_raw_clouds() of two levelled
-// clouds, register_matches() of matches.
+// Component core: registration without an initial pose, with a certificate: register_raw_clouds() for two
+// levelled clouds, register_matches() for given matches.
 #pragma once
 
 #include "global/cloud_registration.hpp"

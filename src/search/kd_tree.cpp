@@ -11,7 +11,7 @@
 namespace scanlock {
 namespace {
 
-/// Squared Euclidean distance in three dimensions, the loop written out.
+/// Squared Euclidean distance in three dimensions, unrolled.
 struct SquaredDistance3 {
   using is_kdtree_distance = bool;
   using ElementType = float;
@@ -28,8 +28,8 @@ struct SquaredDistance3 {
   }
 };
 
-/// The k nearest so far, sorted; starts from a bound that is already known, so that the search prunes from
-/// its first step.
+/// The k nearest points so far, sorted. Starts with a known bound, so that the search prunes from its first
+/// step.
 class BoundedNearest final : public flann::ResultSet<float> {
  public:
   BoundedNearest(Neighbour* out, int capacity, int count, float squared_bound, const std::int32_t* original)
@@ -37,11 +37,11 @@ class BoundedNearest final : public flann::ResultSet<float> {
     if (count_ == capacity_) squared_bound_ = std::min(squared_bound_, out_[capacity_ - 1].squared_distance);
   }
 
-  bool full() const override { return true; }  // the bound makes an unfilled set prune as a full one does
+  bool full() const override { return true; }  // so that FLANN prunes with the bound before k are found
   float worstDist() const override { return squared_bound_; }
 
   void addPoint(float squared_distance, std::size_t index) override {
-    // FLANN compares with the bound as it was when it entered the leaf.
+    // FLANN has compared with the bound that held when the search entered the leaf.
     if (!(squared_distance < squared_bound_)) return;
     int at = count_ < capacity_ ? count_++ : capacity_ - 1;
     for (; at > 0 && out_[at - 1].squared_distance > squared_distance; --at) out_[at] = out_[at - 1];
@@ -64,7 +64,7 @@ constexpr int kLeafSize = 24;
 }  // namespace
 
 struct KdTree::Index {
-  std::vector<float> coordinates;      // three a point, while the tree is built
+  std::vector<float> coordinates;      // three per point; empty once the tree is built
   std::vector<std::int32_t> original;  // index into the caller's cloud
   std::unique_ptr<flann::KDTreeSingleIndex<SquaredDistance3>> tree;
   flann::SearchParams parameters;
@@ -88,10 +88,10 @@ KdTree::KdTree(const PointCloud& cloud, std::size_t begin, std::size_t end) : Kd
   index.tree = std::make_unique<flann::KDTreeSingleIndex<SquaredDistance3>>(
       rows, flann::KDTreeSingleIndexParams(kLeafSize, true));
   index.tree->buildIndex();
-  // Searches read FLANN's own copy, which it has put into the order of the tree.
+  // Searches read FLANN's own copy of the points, which is in the order of the tree.
   std::vector<float>().swap(index.coordinates);
-  // Below zero on purpose: FLANN accumulates its lower bounds with float rounding, and prunes on them
-  // exactly.
+  // Negative on purpose: FLANN accumulates its lower bounds with float rounding errors, and without this
+  // margin could prune a subtree that contains the nearest point.
   index.parameters.eps = -1e-5f;
 }
 

@@ -12,19 +12,19 @@
 namespace scanlock {
 
 struct Neighbour {
-  std::int32_t index = -1;  ///< into the cloud the tree was built from; -1: none
+  std::int32_t index = -1;  ///< in the cloud from which the tree was built; -1: none
   float squared_distance = std::numeric_limits<float>::infinity();
 };
 
-/// Exact nearest neighbours in a fixed cloud: FLANN's KDTreeSingleIndex behind guards, for FLANN crashes on
-/// an empty index, answers wrongly when data hold a NaN, and leaves outputs unset when k > n. Queries are
-/// const and may run on many threads; equal queries get equal answers, whatever thread asks. A query that is
-/// not finite has no neighbours. Keep coordinates near the origin: they are floats.
+/// Exact nearest neighbours in a fixed cloud: FLANN's KDTreeSingleIndex with input checks, because FLANN
+/// crashes on an empty index, returns wrong results when the data contain a NaN, and leaves outputs unset
+/// when k > n. Queries are const and may run in several threads; equal queries give equal results in any
+/// thread. A query that is not finite has no neighbours. Coordinates are floats: keep them near the origin.
 class KdTree {
  public:
   KdTree();
-  /// Copies the coordinates of points [begin, end) of the cloud; points that are not finite are left out, and
-  /// there need not be any. Answers are indices into the whole cloud.
+  /// Copies the coordinates of points [begin, end) of the cloud, except points that are not finite; the range
+  /// may be empty. Results are indices into the whole cloud.
   KdTree(const PointCloud& cloud, std::size_t begin, std::size_t end);
   explicit KdTree(const PointCloud& cloud) : KdTree(cloud, 0, cloud.size()) {}
   ~KdTree();
@@ -33,16 +33,16 @@ class KdTree {
 
   std::size_t size() const;  ///< indexed points
 
-  /// The nearest point nearer than `max_distance` metres.
+  /// The nearest point at less than `max_distance` metres; index -1 when there is none.
   Neighbour nearest(const Eigen::Vector3f& query,
                     float max_distance = std::numeric_limits<float>::infinity()) const;
 
-  /// The `k` nearest nearer than `max_distance`, nearest first, into `out` (room for k). Returns how many
-  /// there are.
+  /// Writes the `k` nearest points at less than `max_distance` metres into `out` (room for k), nearest first.
+  /// Returns their number, which may be less than k.
   int k_nearest(const Eigen::Vector3f& query, int k, Neighbour* out,
                 float max_distance = std::numeric_limits<float>::infinity()) const;
 
-  /// The same, joined with `count` neighbours that are in `out` already (from another tree, nearest first).
+  /// As k_nearest(), merged with `count` neighbours already in `out` (from another tree, nearest first).
   int add_k_nearest(const Eigen::Vector3f& query, int k, int count, Neighbour* out, float max_distance) const;
 
  private:
