@@ -23,15 +23,20 @@
 namespace scanlock {
 namespace {
 
-constexpr float kFinest = 0.1F;            // metres: a voxel that hides what is behind it
-constexpr float kEye = 1.2F;               // metres above the floor
-constexpr double kRows = 40, kTurn = 180;  // rays, from 40 degrees below the horizon to 40 above, and around
+// Metres: edge of the smallest voxel, which occludes the space behind it.
+constexpr float kFinest = 0.1F;
+constexpr float kEye = 1.2F;  // metres: height of the simulated sensor (eye) above the floor
+// Rays per column, from 40 degrees below the horizon to 40 above, and per row.
+constexpr double kRows = 40, kTurn = 180;
 constexpr double kSteepest = 40 * kDegree;
-constexpr double kLevel = 8 * kDegree;  // rays flatter than this tell the reach
-constexpr std::size_t kLeastSeen = 50;  // points that stand on the floor: a roof and a bare field have none
-constexpr double kClearly = 3;          // standard deviations of a count
-constexpr std::size_t kMuch = 20;       // cells: lamps and what hangs over the edge of a table take less
-// Times the area that is covered from above: from a side a tunnel covers 1.2, a corridor 1.3.
+constexpr double kLevel = 8 * kDegree;  // the reach is the median range of rays flatter than this
+// Points higher than half the eye's height: a roof and a bare field have none.
+constexpr std::size_t kLeastSeen = 50;
+constexpr double kClearly = 3;  // standard deviations of a difference of two counts
+// Cells: lamps, and objects that hang over the edge of a table, cover fewer.
+constexpr std::size_t kMuch = 20;
+// Largest plausible ratio of the area in a side view to that in the top view: a tunnel has 1.2, a corridor
+// 1.3.
 constexpr float kTall = 1.5F;
 
 std::string square_metres(float area) {
@@ -50,7 +55,7 @@ float area_of(std::size_t cells, float size) {
   return static_cast<float>(cells) * size * size;
 }
 
-/// Areas, in square metres, of the cloud's shadows along x, y and z.
+/// Areas, in square metres, of the cloud's projections along x, y and z.
 Eigen::Array3f shadows(const SolidCloud& solid) {
   const float edge = solid.block_edge();
   std::array<std::vector<Cell>, 3> cells;
@@ -70,7 +75,7 @@ Eigen::Array3f shadows(const SolidCloud& solid) {
   return areas;
 }
 
-/// Whether up may be another direction, each a sentence.
+/// The reasons to doubt the given upward direction, one sentence each.
 std::vector<std::string> doubts_about(const SolidCloud& solid, const Floors& floors) {
   std::vector<std::string> doubts;
   const Eigen::Array3f areas = shadows(solid);
@@ -87,7 +92,7 @@ std::vector<std::string> doubts_about(const SolidCloud& solid, const Floors& flo
   return doubts;
 }
 
-/// Whether an eye there has the width of a robot around it.
+/// Whether the voxels around `eye` are free for the width of a robot (0.6 m).
 bool is_free(const SolidCloud& solid, const Eigen::Vector3f& eye) {
   constexpr float step = 0.3F;  // metres
   for (int x = -1; x <= 1; ++x)
@@ -112,7 +117,7 @@ std::vector<Eigen::Vector3f> ray_directions() {
 struct View {
   PointCloud points;  // relative to the eye
   double reach = 0;
-  std::size_t standing = 0;  // points above the middle between eye and floor
+  std::size_t standing = 0;  // points higher than half way from the floor to the eye
 };
 
 View seen_from(const SolidCloud& solid, const Eigen::Vector3f& eye, const std::vector<Eigen::Vector3f>& rays,
@@ -144,10 +149,10 @@ View seen_from(const SolidCloud& solid, const Eigen::Vector3f& eye, const std::v
   return view;
 }
 
-/// Eyes that were taken.
+/// The eyes at which keyframes were made.
 class Eyes {
  public:
-  /// Whether one of them shows the ground around `eye`: it is near, and sees it.
+  /// Whether one of them is near `eye` and in its line of sight: it shows the same ground.
   bool cover(const SolidCloud& solid, const Eigen::Vector3f& eye) const {
     const auto [x, y] = cell_of(eye, kCell);
     for (int i = x - 1; i <= x + 1; ++i) {
@@ -169,7 +174,7 @@ class Eyes {
   }
 
  private:
-  static constexpr float kCell = 10;  // metres: no eye shows the ground around one that is farther off
+  static constexpr float kCell = 10;  // metres: the largest distance at which two eyes show the same ground
   std::map<Cell, std::vector<std::pair<Eigen::Vector3f, float>>> cells_;
 };
 
@@ -182,7 +187,7 @@ void CloudMapBuilder::add(PointCloud part) {
   points_ += part.size();
   for (std::size_t i = 0; i < part.size() && !first_finite_; ++i)
     if (part.point(i).allFinite()) first_finite_ = part.point(i);
-  part.nx.clear();  // which would be turned, too
+  part.nx.clear();  // normals are not needed, and moved() would rotate them
   solid_.add(moved(std::move(part), Pose(level_) * options_.map_from_cloud));
 }
 
@@ -208,12 +213,11 @@ SavedMap CloudMapBuilder::build(const std::string& name,
   const auto range = static_cast<float>(options_.max_range_m);
   Eyes eyes;
   KeyframeArchive archive(std::numeric_limits<std::size_t>::max());
-  // Heights of eyes that saw nothing that stands: of the four cells of a roof or a bare field that
-  // lie together one is tried.
+  // Heights of eyes that saw fewer than kLeastSeen points, by squares of 2 x 2 cells: of the cells in such a
+  // square, on a roof or a bare field, only one is tried.
   std::map<Cell, float> barren;
   std::uint64_t done = 0;
-  float swept =
-      -std::numeric_limits<float>::infinity();  // no ray of the eyes to come, of greater x, is there
+  float swept = -std::numeric_limits<float>::infinity();  // x, metres: the cloud below it was removed
   for (const FloorPlace& place : places) {
     if (progress) progress(++done, places.size());
     if (const float behind = place.middle().x() - range; behind - swept > range) {
@@ -236,7 +240,7 @@ SavedMap CloudMapBuilder::build(const std::string& name,
     const auto utime = static_cast<std::int64_t>(archive.keyframes().size() + 1);
     archive.add(utime, map_from_eye, view.reach, view.points);
   }
-  solid_ = SolidCloud(kFinest);  // whoever writes the map needs the memory
+  solid_ = SolidCloud(kFinest);  // the caller needs the memory to write the map
   SavedMap map;
   map.keyframes = archive.keyframes();
   if (map.keyframes.empty())

@@ -10,15 +10,18 @@
 namespace scanlock {
 namespace {
 
-constexpr float kHeadroom = 1.5F;     // metres that are free above a floor
-constexpr float kTile = 4;            // metres: cells and blocks of voxels both divide it
-constexpr int kAcross = 3;            // cells to the next one: what stands on a floor does not divide it
-constexpr double kLeastFloor = 0.05;  // of the widest one: what is less is a roof or a table
-constexpr double kLeastCells = 4;     // 1 m2, which a robot takes: points far apart are no floor
-// Of a tile that is flat enough to tell what stands on it, and that: metres.
+constexpr float kHeadroom = 1.5F;  // metres of free height above a floor
+constexpr float kTile = 4;         // metres: a multiple of the edges of cells and of blocks of voxels
+// Cells: the gap over which cells of one floor connect, so that furniture does not divide it.
+constexpr int kAcross = 3;
+// Share of the cells of the largest floor: surfaces with fewer cells are roofs or tables.
+constexpr double kLeastFloor = 0.05;
+constexpr double kLeastCells = 4;  // 1 m2, the size of a robot: isolated points are no floor
+// Metres: edge of a tile; deviation from the median height that counts as flat; least and greatest height of
+// objects above (or, from ceilings, below) a flat tile.
 constexpr float kFlatTile = 2, kFlat = 0.1F, kLowest = 0.2F, kHighest = 2;
 
-/// The places that stand out from flat tiles.
+/// The number of places that stand out from flat tiles.
 std::size_t count_standing(std::vector<FloorPlace> surface) {
   const auto tile = [](const FloorPlace& place) { return cell_of(place.middle(), kFlatTile); };
   std::sort(surface.begin(), surface.end(), [&](const FloorPlace& a, const FloorPlace& b) {
@@ -40,7 +43,7 @@ std::size_t count_standing(std::vector<FloorPlace> surface) {
   return standing;
 }
 
-/// The lowest point and the highest one of a cell.
+/// The heights of the lowest and the highest point of a cell, metres.
 struct Column {
   Cell cell;
   float low, high;
@@ -69,13 +72,13 @@ Cell cell_of(const Eigen::Vector3f& p, float size) {
 }
 
 Floors find_floors(const SolidCloud& solid) {
-  // The columns of one tile are whole, and few points are looked at at once.
+  // One tile after another: each holds whole columns, and only its points are in memory at once.
   std::vector<std::pair<Cell, SolidCloud::BlockId>> blocks;
   for (const SolidCloud::BlockId block : solid.blocks())
     blocks.emplace_back(cell_of(solid.middle_of(block), kTile), block);
   std::sort(blocks.begin(), blocks.end());
   Floors floors;
-  std::vector<FloorPlace> column, roofed, ceiling;  // the latter with z down
+  std::vector<FloorPlace> column, roofed, ceiling;  // of `ceiling` z points down
   std::vector<Column> columns;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     for (const Eigen::Vector3f& p : solid.points_of(blocks[i].second))

@@ -12,16 +12,17 @@
 
 namespace scanlock {
 
-/// Of a horizontal grid: floor of x and y by its size.
+/// A cell of a horizontal grid: x and y divided by its size, rounded down.
 using Cell = std::pair<int, int>;
 Cell cell_of(const Eigen::Vector3f& p, float size);
 
 inline constexpr float kFloorCell = 0.5F;  ///< metres
-inline constexpr float kFloorStep = 0.4F;  ///< metres from one cell of a floor to the next: a kerb, a ramp
+/// Metres: largest step between cells of one floor, as a kerb or a ramp has.
+inline constexpr float kFloorStep = 0.4F;
 
-/// On what has 1.5 m of headroom above it there.
+/// A cell of a surface that has 1.5 m of headroom above it.
 struct FloorPlace {
-  Cell cell;    ///< of kFloorCell
+  Cell cell;    ///< of size kFloorCell
   float z = 0;  ///< metres
   bool operator<(const FloorPlace& other) const { return std::tie(cell, z) < std::tie(other.cell, other.z); }
   Eigen::Vector3f middle() const {
@@ -32,19 +33,22 @@ struct FloorPlace {
 
 struct Floors {
   std::vector<FloorPlace> places;  ///< ordered by cells, then by heights
-  /// Cells under a ceiling whose surface is 0.2 to 2 m above the flat floor around them, and those of
-  /// ceilings as far below a flat ceiling: furniture stands on the floor, and hangs where up is down.
+  /// Cells under a ceiling whose surface is 0.2 to 2 m above the flat floor around them, and cells of
+  /// ceilings that are as far below the flat ceiling around them: furniture stands on the floor, and hangs
+  /// from the ceiling where the cloud is upside down.
   std::size_t standing = 0, hanging = 0;
-  /// Neighbouring cells between which the lower side of the cloud has a step and its upper side has none, and
-  /// the other way round. Under an open sky the ground is the smoother side, whichever way up the cloud is.
+  /// Pairs of neighbouring cells between which the lower side of the cloud has a step and its upper side has
+  /// none, and the other way round. Under an open sky the ground is the smoother side, whichever way up the
+  /// cloud is.
   std::size_t rough_below = 0, rough_above = 0;
-  bool open = false;  ///< most cells hold nothing that one could walk under
+  bool open = false;  ///< most cells hold no two surfaces with 1.5 m of headroom between them
 };
 
 /// The z axis is up.
 Floors find_floors(const SolidCloud& solid);
 
-/// Of places that hang together by small steps, those of wide floors, in order.
+/// The places of wide floors, in their order. A floor is a connected set of places with small steps between
+/// neighbours; it is wide if it has 1 m2 and a twentieth of the cells of the largest floor.
 std::vector<FloorPlace> wide_floors(const std::vector<FloorPlace>& floor);
 
 }  // namespace scanlock

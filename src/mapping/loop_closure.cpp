@@ -12,11 +12,14 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kMostAround = 20;  // keyframes that make one side of a closure: a cap on its cost
+// Keyframes from which one side of a closure is made: a cap on its cost.
+constexpr std::size_t kMostAround = 20;
 
-constexpr double kStill = 1e8;     // information of a velocity of 0: archived points were seen at one instant
-constexpr double kNothing = 1e-6;  // information along what no surface holds: it stays invertible
-constexpr double kWorthwhile = 2.0;  // times the variance that a closure leaves
+// Information of a velocity of 0: archived points are deskewed, as if seen at one instant.
+constexpr double kStill = 1e8;
+// Information added so that directions which no surface constrains stay invertible.
+constexpr double kNothing = 1e-6;
+constexpr double kWorthwhile = 2.0;  // least ratio of the graph's variance to that of a closure
 
 PreparedScan prepared(const ClosureRequest& request) {
   PreparedScan scan;
@@ -81,7 +84,8 @@ std::optional<FoundClosure> find_closure(const ClosureRequest& request, const Po
       text, sizeof text, "inlier ratio %.2f of %.2f, moved by %.3f m and %.2f deg, squared gap %.1f",
       there.health.share, here.health.share, moved.head<3>().norm(), moved.tail<3>().norm() / kDegree, gap);
   *reason = text;
-  const double any_score = std::numeric_limits<double>::infinity();  // the recent map says what is usual
+  // No bound by earlier scans: the recent keyframes give the usual inlier ratio.
+  const double any_score = std::numeric_limits<double>::infinity();
   Health health = there.health;
   health.usual_share = here.health.share;
   if (!explains(there, any_score) || !usual_share(health) || !(gap < kOnceInThousand)) return std::nullopt;
@@ -91,7 +95,7 @@ std::optional<FoundClosure> find_closure(const ClosureRequest& request, const Po
   closure.from_to = request.own_from_nearest.inverse() * found;
   closure.information = there.information() + kNothing * Matrix6::Identity();
   if (request.planar) {
-    for (const int axis : {2, 3, 4}) {  // z, roll, pitch: it does not leave its plane
+    for (const int axis : {2, 3, 4}) {  // z, roll, pitch: a planar sensor does not leave its plane
       closure.information.row(axis).setZero();
       closure.information.col(axis).setZero();
       closure.information(axis, axis) = 1 / (kPoseFloor * kPoseFloor);

@@ -15,27 +15,29 @@
 
 namespace scanlock {
 
-/// Node of the map's frame in the graph; keyframes have greater numbers.
+/// Node of the map's frame in the graph; the ids of keyframes are greater.
 inline constexpr std::uint32_t kOriginNode = 0;
 
-/// The wanted keyframes within `reach` metres of a position, the nearest first; at most as many as one side
-/// of a closure is made from.
+/// The wanted keyframes within `reach` metres of a position, the nearest first; at most 20, from which one
+/// side of a closure is made.
 std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position, double reach,
                                          const std::vector<ArchivedKeyframe>& keyframes,
                                          const std::function<bool(const ArchivedKeyframe&)>& is_wanted);
 
-/// A keyframe to be aligned with keyframes of an earlier visit, and the graph to be optimised by it. A
-/// value: it can be worked on by another thread while the tracker goes on.
+/// A keyframe to be aligned with keyframes of an earlier visit, and the graph to be optimised with the
+/// closure. A value: another thread can work on it while the tracker goes on.
 struct ClosureRequest {
   std::int64_t serial = 0;
   PoseGraph graph;
   ArchivedKeyframe keyframe;
-  std::uint32_t nearest = 0;  ///< node of the earlier visit: a keyframe, or kOriginNode where that is fixed
-  std::uint32_t nearest_keyframe = 0;        ///< the same, where that is a keyframe
+  /// Node of the earlier visit: a keyframe, or kOriginNode where that keyframe is fixed.
+  std::uint32_t nearest = 0;
+  std::uint32_t nearest_keyframe = 0;        ///< id of that keyframe, also where it is fixed
   Pose own_from_nearest = Pose::Identity();  ///< own: the frame of the keyframes below
-  std::vector<ArchivedKeyframe> earlier;     ///< around it, of the earlier visit
-  std::vector<ArchivedKeyframe> recent;      ///< around it, of this visit, without the keyframe itself
-  std::optional<Constraint> pending;         ///< a closure of the keyframe before, which needs a second one
+  std::vector<ArchivedKeyframe> earlier;     ///< keyframes of the earlier visit around it
+  std::vector<ArchivedKeyframe> recent;      ///< keyframes of this visit around it, without itself
+  /// The closure of an earlier keyframe, which needs a second closure that agrees.
+  std::optional<Constraint> pending;
   Matrix6 usual_information = Matrix6::Identity();  ///< of the last closure
   double voxel = 0;                                 ///< metres
   bool planar = false;
@@ -43,10 +45,10 @@ struct ClosureRequest {
 };
 
 enum class ClosureOutcome : std::int8_t {
-  kKnown,     ///< the graph's covariance of the relative pose is about that of a closure already
-  kRefused,   ///< the keyframe is not explained there, or too far from the graph's prediction
-  kPending,   ///< found; the next one has to agree
-  kAccepted,  ///< two agree, and the graph was optimised
+  kKnown,     ///< not aligned: the graph knows the relative pose about as well as a closure would
+  kRefused,   ///< the earlier keyframes do not explain it, or its pose is too far from the graph's prediction
+  kPending,   ///< found; the next closure has to agree
+  kAccepted,  ///< two closures agree, and the graph was optimised
 };
 
 struct ClosureAnswer {
@@ -54,40 +56,43 @@ struct ClosureAnswer {
   std::uint32_t keyframe = 0, nearest = 0, nearest_keyframe = 0;  ///< as in the request
   ClosureOutcome outcome = ClosureOutcome::kRefused;
   std::string reason;     ///< in words
-  std::string map_fault;  ///< see TrackedScan; refused then
-  /// Of the keyframe in the frame of `nearest`, with the closure where one is accepted.
+  std::string map_fault;  ///< see TrackedScan; where there is one the outcome is kRefused
+  /// Of the keyframe's pose in the frame of `nearest`; after optimisation with the closure where it is
+  /// accepted.
   Matrix6 covariance = Matrix6::Zero();
-  Constraint closure;  ///< from `nearest` to the keyframe; of a pending and an accepted one
-  // Of an accepted one:
+  Constraint closure;  ///< from `nearest` to the keyframe; only of kPending and kAccepted
+  // Only of kAccepted:
   std::map<std::uint32_t, Pose> map_from_node;
-  Matrix6 drift = Matrix6::Zero();  ///< covariance of the keyframe in the map's frame
+  Matrix6 drift = Matrix6::Zero();  ///< covariance of the keyframe's pose in the map's frame
 };
 
-/// Aligns the keyframe with the earlier visit, from where the graph puts it. Found when its share of inliers
-/// there is at least four fifths of that among the recent keyframes, and the squared Mahalanobis distance to
-/// the graph's pose is below kOnceInThousand; accepted when the closure before agrees on the relative pose of
-/// the two visits.
+/// Aligns the keyframe with the earlier visit, starting at its pose in the graph. The closure is found when
+/// the inlier ratio is at least four fifths of that among the recent keyframes and the squared Mahalanobis
+/// distance to the graph's pose is below kOnceInThousand; it is accepted when the pending closure agrees on
+/// the relative pose of the two visits.
 ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& config);
 
-/// A closure, before anything else agrees with it.
+/// A closure that no other closure has confirmed yet.
 struct FoundClosure {
   Constraint constraint;
-  double more_energy = 0;  ///< of the keyframe's alignment there, beyond that among the recent ones
+  /// Energy of the alignment with the earlier keyframes less that with the recent ones.
+  double more_energy = 0;
 };
 
-/// The closure of the keyframe with `nearest`, where it is `expected` (frame of the earlier keyframes) to
-/// within a covariance; none where it is not found. `reason`: what was found, in words.
+/// The closure of the keyframe with `nearest`, searched for around the pose `expected` (frame of the earlier
+/// keyframes) with this covariance; none where it is not found. `reason`: the result in words.
 std::optional<FoundClosure> find_closure(const ClosureRequest& request, const Pose& expected,
                                          const Matrix6& covariance, const TrackerConfig& config,
                                          std::string* reason);
-/// Sets the odometer's usual energy to that of the keyframe aligned with the recent ones, at its pose.
+/// Adds the alignment of the keyframe with the recent keyframes, at its own pose, to the odometer's running
+/// statistics.
 void learn_usual(const ClosureRequest& request, Odometer* odometer);
-/// Whether two closures agree on the relative pose of the two visits, within the covariances of both and of
-/// the ways between them.
+/// Whether two closures agree on the relative pose of the two visits, within the covariances of both closures
+/// and of the paths between their ends: squared Mahalanobis distance below kOnceInThousand.
 bool agree(const PoseGraph& earlier_visit, const PoseGraph& this_visit, const Constraint& a,
            const Constraint& b);
 
-/// Whether a closure with the usual information would reduce the covariance notably along some direction.
+/// Whether along some direction the variance is at least twice that of a closure with the usual information.
 bool is_worthwhile(const Matrix6& covariance, const Matrix6& usual_information);
 
 /// The squared Mahalanobis distance that one pose in a thousand exceeds (chi-square, 6 degrees of freedom).

@@ -19,11 +19,13 @@ namespace scanlock {
 namespace {
 
 // Caps on cost: a search takes about a second of CPU.
-constexpr std::size_t kMostKeyframes = 100;  // of the second map that are looked for
-constexpr int kLooks = 3;            // searches of one keyframe, each in another part of the first map
-constexpr std::size_t kLearnt = 50;  // keyframes that tell what is usual in the second map
+constexpr std::size_t kMostKeyframes = 100;  // of the second map that are searched for
+constexpr int kLooks = 3;  // searches of one keyframe, each in another part of the first map
+// Keyframes that are sampled for the usual energy and inlier ratio of the second map.
+constexpr std::size_t kLearnt = 50;
 
-/// The keyframes that are tied to a map's frame, with ids from `first_id` on, and the graph of those.
+/// The keyframes of a map that constraints connect to its frame, with ids from `first_id` on, and their
+/// graph.
 struct Side {
   std::vector<ArchivedKeyframe> keyframes;
   Submap submap;
@@ -64,7 +66,8 @@ class Merger {
     learn();
   }
 
-  /// Whether enough searches agree, and no two others agree on another overlap.
+  /// Joins the graphs. False where too few searches agree on the relative pose, or two other ones agree on
+  /// another.
   bool join(MapMerge* result) {
     const std::vector<std::uint32_t> wanted = spread();
     all_ = wanted.size() + here_.keyframes.size();
@@ -81,7 +84,7 @@ class Merger {
     result->agreeing = agreeing.size();
     result->otherwise = largest_agreement(others).first.size();
     if (agreeing.size() < kAgreeingFinds || result->otherwise > 1) return false;
-    // The search that they all agree with once more, now that it can be accepted.
+    // Repeats the search with which all of them agree, now with their finds, so that it can be accepted.
     const std::vector<JoinAnswer> answers =
         look_for(here_.keyframe(agreeing.front().closure.to), {agreeing.begin() + 1, agreeing.end()});
     const auto answer = std::find_if(answers.begin(), answers.end(), [](const JoinAnswer& a) {
@@ -94,7 +97,7 @@ class Merger {
     return true;
   }
 
-  /// Along the overlap, in the order of the second map.
+  /// Searches for loop closures along the overlap, in the order of the second map's keyframes.
   void close_loops() {
     std::optional<Constraint> pending;
     for (std::size_t i = 0; i < here_.keyframes.size(); ++i) {
@@ -117,7 +120,7 @@ class Merger {
     }
   }
 
-  /// What a file keeps.
+  /// The content of the map file.
   SavedMap saved(const SavedMap& first) const {
     SavedMap map;
     map.epoch = first.epoch;
@@ -141,7 +144,8 @@ class Merger {
     if (progress_) progress_(done_++, all_);
   }
 
-  /// What alignments cost within the second map: a place in the first one has to explain a keyframe as well.
+  /// Learns the energy and inlier ratio of alignments within the second map, which alignments with the first
+  /// map are compared with.
   void learn() {
     Odometer odometer(config_);
     odometer.set_planar(planar_);
@@ -153,7 +157,8 @@ class Merger {
     usual_ = odometer.usual();
   }
 
-  /// Keyframes of the second map, so far apart that two finds of them count as two.
+  /// Ids of keyframes of the second map that are a third of a reach apart, so that their finds count as
+  /// independent.
   std::vector<std::uint32_t> spread() const {
     std::vector<std::uint32_t> apart;
     for (const ArchivedKeyframe& k : here_.keyframes) {
@@ -170,8 +175,8 @@ class Merger {
     return taken;
   }
 
-  /// The most finds that agree with one of them, which comes first, and all others. Of a keyframe that was
-  /// found in several places one find counts.
+  /// The largest set of finds that agree with one of them, which comes first; and all finds that do not agree
+  /// with that one. Of a keyframe with several agreeing finds one is counted.
   std::pair<std::vector<JoinFind>, std::vector<JoinFind>> largest_agreement(
       const std::vector<JoinFind>& finds) const {
     std::vector<JoinFind> most, rest;
@@ -205,7 +210,8 @@ class Merger {
     return request;
   }
 
-  /// What is found of a keyframe's surroundings in the parts of the first map that look most like them.
+  /// Searches for a keyframe's surroundings in the parts of the first map that look most like them; the
+  /// accepted and pending answers.
   std::vector<JoinAnswer> look_for(const ArchivedKeyframe& keyframe, const std::vector<JoinFind>& finds) {
     std::vector<JoinAnswer> found;
     JoinRequest request;
@@ -230,13 +236,13 @@ class Merger {
       request.search = std::move(*next);
       const JoinAnswer answer = join_submaps(request, finder_, config_);
       if (answer.closure.outcome != ClosureOutcome::kRefused) found.push_back(answer);
-      // Whatever was found, another part may look the same.
+      // The other parts are searched whatever was found here, for they may look the same.
       search.take(answer.search.serial, false, answer.search.little, 0);
     }
     return found;
   }
 
-  /// The closure was accepted: the graph was optimised with it.
+  /// Takes an accepted closure and the poses of the graph that was optimised with it.
   void settle(const ClosureAnswer& answer) {
     both_.connect(answer.closure);
     both_.move(answer.map_from_node);
@@ -251,17 +257,17 @@ class Merger {
     }
   }
 
-  static constexpr double kUnlimited = 1e9;  // cores: nothing else waits for them
-  static constexpr int kPause = 10000;       // scans: longer than any pause between searches
+  static constexpr double kUnlimited = 1e9;  // cores: the whole CPU may be used
+  static constexpr int kPause = 10000;       // scans: more than any pause between two searches
   TrackerConfig config_;
   const std::function<void(std::uint64_t, std::uint64_t)>& progress_;
   std::uint64_t done_ = 0, all_ = 0;  ///< keyframes
-  Side there_, here_;                 ///< the first map and the second; in one frame once they are joined
-  KeyframeArchive archive_;           ///< of the first
+  Side there_, here_;                 ///< the first and the second map; in one frame once they are joined
+  KeyframeArchive archive_;           ///< keyframes of the first map
   bool planar_ = false;
   Odometer::Usual usual_;
   PlaceFinder finder_;
-  PoseGraph both_;  ///< once they are joined
+  PoseGraph both_;  ///< the joined graph
   Matrix6 usual_information_ = Matrix6::Identity();
 };
 

@@ -1,6 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// What becomes of the keyframes of a map: Mapper::follow_archive.
+// Adds the archive's keyframes to the pose graph, and removes evicted and redundant ones:
+// Mapper::follow_archive.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,7 +14,7 @@
 namespace scanlock {
 namespace {
 
-/// How much of what two keyframes show cannot both be there, whichever of them one asks (0 to 1).
+/// The greater share (0 to 1) of one keyframe's points that contradict the other one's range image.
 double contradiction(const ArchivedKeyframe& a, const ArchivedKeyframe& b) {
   const Pose a_from_b = a.map_from_body.inverse() * b.map_from_body;
   const std::shared_ptr<const PointCloud> a_points = a.points.cloud(), b_points = b.points.cloud();
@@ -24,7 +25,7 @@ double contradiction(const ArchivedKeyframe& a, const ArchivedKeyframe& b) {
 
 }  // namespace
 
-/// Keyframes that the archive has added become nodes, and those that it has dropped leave.
+/// Adds nodes for new keyframes of the archive, and removes nodes of keyframes that it has dropped.
 void Mapper::follow_archive() {
   const std::vector<ArchivedKeyframe>& keyframes = tracker_.archive().keyframes();
   if (keyframes.empty() || keyframes.back().id < known_) return;
@@ -36,7 +37,7 @@ void Mapper::follow_archive() {
   drop_redundant();
 }
 
-/// To the keyframe before, to the map's frame where that is fixed, or where there is none.
+/// Connects a keyframe to the one before; to the map's frame where that one is fixed, or where there is none.
 void Mapper::connect_odometry(const ArchivedKeyframe& keyframe) {
   const Pose map_from_keyframe = tracker_.map_from_own() * keyframe.map_from_body;
   active_.graph.add(kOriginNode, Pose::Identity());
@@ -77,8 +78,8 @@ void Mapper::drop_evicted() {
   others_.erase(std::remove_if(others_.begin(), others_.end(), is_empty), others_.end());
 }
 
-/// Of keyframes that lie a reach behind the robot and show what an earlier visit saw, one is kept. Not while
-/// a closure is worked on: its answer has poses of the nodes as they are.
+/// Of a keyframe a reach or more behind the robot and the keyframe of an earlier visit that shows the same
+/// ground, keeps one. Not while a request is being worked on: its answer has poses of the present nodes.
 void Mapper::drop_redundant() {
   if (out_) return;
   while (!revisits_.empty() && revisits_.begin()->first + kTrail <= known_) {
@@ -88,8 +89,9 @@ void Mapper::drop_redundant() {
   }
 }
 
-/// The older one is kept: a map that is measured against what it was, not against itself, does not drift. But
-/// where the two cannot both be there the place has changed, and the newer one shows it as it is.
+/// Keeps the older keyframe: a map that is always measured against its first keyframes does not drift. Where
+/// more than 2.5 % of the points of either contradict the other the place has changed, and the newer keyframe
+/// is kept.
 void Mapper::drop_redundant(std::uint32_t id, const Revisit& revisit) {
   const ArchivedKeyframe* newer = tracker_.archive().find(id);
   const ArchivedKeyframe* old = tracker_.archive().find(revisit.nearest_keyframe);
@@ -103,7 +105,7 @@ void Mapper::drop_redundant(std::uint32_t id, const Revisit& revisit) {
     changed = !fixed && contradiction(*old, *newer) > kClearContradiction;
   } catch (const PointsUnreadable& error) {
     tracker_.note_map_fault(error.what());
-    return;  // both are kept
+    return;  // both keyframes are kept
   }
   const std::uint32_t gone = changed ? revisit.nearest : id, kept = changed ? id : revisit.nearest;
   Constraint between;

@@ -34,7 +34,7 @@ JoinAnswer nothing_found(const JoinRequest& request, const std::string& map_faul
   return answer;
 }
 
-/// The searches in it tell the fault.
+/// Not reported here: the searches in that target report the same fault.
 std::monostate nothing_found(const SearchTarget&, const std::string&) {
   return {};
 }

@@ -12,14 +12,15 @@
 
 namespace scanlock {
 
-/// Work that need not be done before the next scan: a search for the robot's place, a target of such searches
-/// described ahead, a loop closure, or a search for the active submap's place among others.
+/// Work that need not be done before the next scan: a search for the robot's pose; the description of a
+/// search target ahead of its searches; a loop closure; or a search for the active submap in the other
+/// submaps.
 using MapRequest = std::variant<RecoveryRequest, SearchTarget, ClosureRequest, JoinRequest>;
-/// Of a target that was described there is nothing to tell.
+/// std::monostate: a search target was described.
 using MapAnswer = std::variant<std::monostate, RecoveryAnswer, ClosureAnswer, JoinAnswer>;
 
-/// Works on a request; deterministic. Where points cannot be read, nothing is found: see
-/// TrackedScan::map_fault.
+/// Works on a request; deterministic. Where points of the map cannot be read the answer is "not found" and
+/// names the fault: see TrackedScan::map_fault.
 class MapWorker {
  public:
   explicit MapWorker(const TrackerConfig& config) : config_(config) {}

@@ -13,8 +13,9 @@
 namespace scanlock {
 namespace {
 
-constexpr int kFewSteps = 4;                                        // constraints of a way
-constexpr double kJumpMetres = 0.05, kJumpRadians = 0.5 * kDegree;  // more is told as a new epoch
+// Constraints on a path between two keyframes.
+constexpr int kFewSteps = 4;
+constexpr double kJumpMetres = 0.05, kJumpRadians = 0.5 * kDegree;  // a larger correction begins a new epoch
 
 }  // namespace
 
@@ -45,8 +46,8 @@ TrackedScan Mapper::track(const Scan& scan, const ScanPrior& prior) {
   return tracked;
 }
 
-/// What a lost robot saw on its way lies to what it sees as it is told, so that once it knows where it is, it
-/// knows where it was.
+/// The poses of one run of lost-mode odometry share a stamp that stays open: once the robot is found all of
+/// them get the same correction.
 std::uint32_t Mapper::stamp() {
   const auto& [newest, pose] = *active_.graph.nodes().rbegin();
   const Pose map_from_local = tracker_.map_from_local();
@@ -63,18 +64,19 @@ std::uint32_t Mapper::stamp() {
   return open_->stamp;
 }
 
-/// The submap that the robot was in is one of the others from now on. The archive has moved those away.
+/// Begins an empty active submap. The one before becomes one of the other submaps, which the archive has
+/// moved away along x.
 void Mapper::begin_submap() {
   submap_ = tracker_.submap();
   active_.own_from_map = tracker_.map_from_own().inverse();
-  active_.graph.add(kOriginNode, Pose::Identity());  // of a fixed map nothing else may be a node
+  active_.graph.add(kOriginNode, Pose::Identity());  // the graph of a fixed map may have no other node
   others_.push_back(std::exchange(active_, Submap()));
   active_.located = located_;
   for (Submap& other : others_) other.own_from_map.translation().x() -= tracker_.moved_away();
   forget_revisits();
 }
 
-/// Where the robot was found may be in another submap than the one in which it was lost.
+/// Enters the submap in which the robot was found, where it is not the one in which it was lost.
 void Mapper::return_to_submap(TrackedScan* tracked) {
   const Eigen::Vector3d here = tracker_.own_from_body().translation();
   const ArchivedKeyframe* nearest = nullptr;
@@ -106,7 +108,7 @@ void Mapper::enter(std::size_t other) {
 }
 
 void Mapper::forget_revisits() {
-  ++serial_;  // an answer to come is of another submap
+  ++serial_;  // answers to earlier requests are ignored: they concern another submap
   pending_.reset();
   last_revisit_.reset();
   revisits_.clear();
@@ -130,7 +132,7 @@ std::optional<MapRequest> Mapper::take_request() {
   return request;
 }
 
-/// For the newest keyframe, where an earlier visit was near by.
+/// A request for the newest keyframe, where keyframes of an earlier visit are within a reach.
 std::optional<ClosureRequest> Mapper::closure_request() {
   const std::vector<ArchivedKeyframe>& keyframes = tracker_.archive().keyframes();
   if (keyframes.empty() || !tracker_.on_known_ground()) return std::nullopt;
@@ -145,7 +147,8 @@ std::optional<ClosureRequest> Mapper::closure_request() {
   request.own_from_nearest = fixed ? Pose(tracker_.map_from_own().inverse()) : nearest.map_from_body;
   request.nearest_keyframe = nearest.id;
   if (is_known({newest.id, request.nearest, nearest.id})) return std::nullopt;
-  // Keyframes within a reach see the same surfaces: their closures share their errors, and say little more.
+  // Keyframes within a reach see the same surfaces: their closures share errors, and a second one adds
+  // little.
   if (!pending_ && newest.id < asked_ + kTrail) return std::nullopt;
   asked_ = newest.id;
   request.serial = ++serial_;
@@ -155,7 +158,7 @@ std::optional<ClosureRequest> Mapper::closure_request() {
   return request;
 }
 
-/// A keyframe of the active submap, and what is around it there.
+/// A keyframe of the active submap, with the keyframes around it.
 ClosureRequest Mapper::request_around(const ArchivedKeyframe& keyframe) const {
   const std::vector<ArchivedKeyframe>& keyframes = tracker_.archive().keyframes();
   const Eigen::Vector3d here = keyframe.map_from_body.translation();
@@ -175,7 +178,7 @@ ClosureRequest Mapper::request_around(const ArchivedKeyframe& keyframe) const {
   return request;
 }
 
-/// For the newest keyframe, where there are other submaps.
+/// A search for the newest keyframe, where there are other submaps.
 std::optional<JoinRequest> Mapper::join_request() {
   const std::vector<ArchivedKeyframe>& keyframes = tracker_.archive().keyframes();
   if (others_.empty() || keyframes.empty() || !tracker_.on_known_ground()) return std::nullopt;
@@ -195,8 +198,8 @@ std::optional<JoinRequest> Mapper::join_request() {
   return request;
 }
 
-/// Whether the two visits lie to each other as they did at the keyframe before, to within the ways from
-/// there.
+/// Whether a closure would add little: the covariance of the last revisit, and those of the odometry paths
+/// from it to both keyframes, bound the relative pose well enough. Notes the revisit.
 bool Mapper::is_known(Revisit revisit) {
   if (pending_ || !last_revisit_) return false;
   const std::optional<Constraint> earlier =
@@ -247,7 +250,7 @@ void Mapper::take_closure(const ClosureAnswer& answer) {
   bend(answer, tracker_.map_from_own().inverse());
 }
 
-/// Both submaps become one, in the frame of the older.
+/// Publishes the result of the search; where it is accepted, joins both submaps in the frame of the older.
 void Mapper::take_join(const JoinAnswer& answer) {
   joins_.take(answer);
   tracker_.note_map_fault(answer.closure.map_fault);
@@ -289,8 +292,8 @@ void Mapper::take_join(const JoinAnswer& answer) {
   correction_ = told;
 }
 
-/// Brings the tracker's keyframes to the optimum. Its own frame stays with the robot and the scans around it;
-/// what moves is the rest of the map, and the frame that poses are told in.
+/// Moves the tracker's keyframes to the optimum. In the tracker's own frame the newest keyframe stays where
+/// it is and the others move; map_from_own moves, by which poses are published.
 void Mapper::bend(const ClosureAnswer& answer, const Pose& own_from_fixed) {
   PoseGraph& graph = active_.graph;
   const ArchivedKeyframe* newest = tracker_.archive().find(graph.nodes().rbegin()->first);
@@ -321,7 +324,7 @@ void Mapper::bend(const ClosureAnswer& answer, const Pose& own_from_fixed) {
   correction_->map_from_predicted = map_from_own * before.inverse();
 }
 
-/// A covariance of a keyframe, in its frame, as one of the robot.
+/// A covariance of a keyframe's pose, in its frame, as one of the robot's pose, in the robot's frame.
 Matrix6 Mapper::seen_from_robot(std::uint32_t keyframe, const Matrix6& covariance) const {
   const Pose map_from_robot = tracker_.map_from_own() * tracker_.own_from_body();
   const Matrix6 onwards = adjoint(map_from_robot.inverse() * active_.graph.nodes().at(keyframe));
@@ -340,7 +343,8 @@ Pose Mapper::correction(std::uint32_t stamp) const {
 void Mapper::set_pose(const Pose& map_from_body) {
   const auto oldest = std::min_element(others_.begin(), others_.end(), is_older);
   if (!active_.located && oldest != others_.end())
-    enter(static_cast<std::size_t>(oldest - others_.begin()));  // that is the map which is meant
+    // The caller's pose is in the frame of the oldest one.
+    enter(static_cast<std::size_t>(oldest - others_.begin()));
   tracker_.set_pose(map_from_body);
   located_ = true;
 }

@@ -20,22 +20,23 @@
 
 namespace scanlock {
 
-/// A tracker whose archived keyframes are the nodes of pose graphs, one a submap. A robot that is lost for
-/// long begins a new submap; its newest keyframe is searched for in the others, and where two searches agree
-/// both submaps become one, in the frame of the older. Near keyframes of an earlier visit the newest one is
-/// aligned with them; two such loop closures in a row that agree become constraints, and the graph is
-/// optimised, taken over between two scans. Where the relative pose of two visits is known, one keyframe of a
-/// place is kept: the older one, unless the place has changed. So the map grows by new ground alone.
-/// Keyframes of a map that is fixed are no nodes: what is tied to them is tied to kOriginNode. As the
-/// tracker, a pure function of its state, the scans and the answers.
+/// A tracker whose archived keyframes are the nodes of pose graphs, one per submap. A robot that is lost for
+/// more than new_map_after_s begins a new submap; its newest keyframe is searched for in the other submaps,
+/// and where two searches agree both submaps become one, in the frame of the older. The newest keyframe is
+/// aligned with keyframes of an earlier visit nearby; two such loop closures in a row that agree become
+/// constraints, the graph is optimised, and the result is applied between two scans. Of two keyframes of one
+/// place whose relative pose is known the older one is kept, or the newer one where the place has changed: so
+/// the map grows by new ground only. Keyframes of a fixed map are no nodes: constraints to them lead to
+/// kOriginNode. Like the tracker, a pure function of its state, the scans and the answers.
 class Mapper {
  public:
   explicit Mapper(const TrackerConfig& config) : tracker_(config), joins_(config.search_cores) {}
 
   TrackedScan track(const Scan& scan, const ScanPrior& prior = {});
 
-  /// The work that is due, if any: see Tracker. No other is due before its answer. After load() these are the
-  /// targets of the searches to come: done before the first scan, they make these faster.
+  /// The next request, if any: see Tracker. There is no other one before its answer. After load() the first
+  /// requests describe the targets of later searches: answered before the first scan, they make these
+  /// searches faster.
   std::optional<MapRequest> take_request();
   void give(MapAnswer answer);
 
@@ -45,32 +46,32 @@ class Mapper {
   void reset();
   void set_pose(const Pose& map_from_body);
   SavedMap save() const;
-  /// `fixed`: keyframes of the map neither move nor are replaced, and new ones are tied to them;
-  /// submaps that are not tied to its frame are left out.
+  /// `fixed`: keyframes of the map neither move nor are replaced, and constraints connect new ones to them;
+  /// submaps that no constraint connects to the map's frame are left out.
   void load(SavedMap saved, bool fixed = false);
   PointCloud map() const { return tracker_.map(); }
 
-  /// From now on each pose has a stamp, with which correction() gives its later corrections.
+  /// From now on each pose has a stamp, by which correction() returns its later correction.
   void keep_history() { history_.emplace(); }
-  /// See PoseHistory::correction. The identity where no history is kept.
+  /// See PoseHistory::correction. The identity without keep_history().
   Pose correction(std::uint32_t stamp) const;
 
-  /// Of the active submap. Its nodes are kOriginNode and the keyframes that are not fixed, in the map's
-  /// frame.
+  /// The graph of the active submap: kOriginNode and the keyframes that are not fixed, in the map's frame.
   const PoseGraph& graph() const { return active_.graph; }
   /// Submaps whose pose relative to the active one is not known.
   std::size_t other_submaps() const { return others_.size(); }
 
  private:
-  /// How a keyframe lies to one of an earlier visit.
+  /// A keyframe whose pose relative to a node of an earlier visit is known with this covariance.
   struct Revisit {
     std::uint32_t keyframe = 0, nearest = 0;
-    std::uint32_t nearest_keyframe = 0;  ///< as `nearest`, but where that is kOriginNode
+    std::uint32_t nearest_keyframe = 0;  ///< the keyframe's id, also where `nearest` is kOriginNode
     Matrix6 covariance = Matrix6::Zero();
   };
   static constexpr auto kTrail =
-      static_cast<std::uint32_t>(1 / kPlaceSpacing);  ///< keyframes of one reach of way
-  static constexpr double kAnyClosure = 1e12;         ///< before there was one, each is worth its cost
+      static_cast<std::uint32_t>(1 / kPlaceSpacing);  ///< keyframes along a path of one reach
+  /// Information: before the first closure every closure is worth its cost.
+  static constexpr double kAnyClosure = 1e12;
   std::uint32_t stamp();
   void prepare_searches();
   void begin_submap();
@@ -93,28 +94,30 @@ class Mapper {
   Matrix6 seen_from_robot(std::uint32_t keyframe, const Matrix6& covariance) const;
 
   Tracker tracker_;
-  Submap active_;                         ///< where the robot is; where its frame lies the tracker knows
+  Submap active_;                         ///< where the robot is; its own_from_map is that of the tracker
   std::vector<Submap> others_;            ///< in no order
-  std::uint32_t submap_ = 0;              ///< as the tracker counts
-  std::vector<SearchTarget> unprepared_;  ///< the next one comes last
+  std::uint32_t submap_ = 0;              ///< Tracker::submap() of the active one
+  std::vector<SearchTarget> unprepared_;  ///< in reverse order of their requests
   bool located_ = true;  ///< false: a map was loaded, and the robot has not been found in it so far
-  JoinSearch joins_;     ///< of the active submap with the others
+  JoinSearch joins_;     ///< searches for the active submap in the other ones
   std::optional<PoseHistory> history_;
   struct Open {
     std::uint32_t stamp = 0;
     Pose map_from_local = Pose::Identity();
   };
-  std::optional<Open> open_;  ///< of poses of a lost robot, until it is found
-  std::uint32_t known_ = 0;   ///< keyframes of smaller ids were added to the graph
+  std::optional<Open> open_;  ///< the stamp of poses of a lost robot, until it is found
+  std::uint32_t known_ = 0;   ///< keyframes with smaller ids were added to the graph
   std::int64_t serial_ = 0;
   bool out_ = false;
-  std::uint32_t considered_ = 0, asked_ = 0;  ///< the last keyframes that might have been aligned, and were
-  std::uint32_t pending_keyframe_ = 0;        ///< of the earlier visit
-  std::optional<Constraint> pending_;         ///< of the keyframe before, until another one agrees
+  /// The last keyframe that was considered for a closure, and for which one was requested.
+  std::uint32_t considered_ = 0, asked_ = 0;
+  std::uint32_t pending_keyframe_ = 0;  ///< nearest keyframe of the earlier visit
+  std::optional<Constraint> pending_;   ///< the last closure, until the next one agrees
   Matrix6 usual_information_ = kAnyClosure * Matrix6::Identity();  ///< of the last closure
   std::optional<Revisit> last_revisit_;
-  std::map<std::uint32_t, Revisit> revisits_;  ///< by keyframe, until it takes the other one's place
-  std::optional<Recovery> correction_;  ///< or a search of other submaps, to be told with the next scan
+  std::map<std::uint32_t, Revisit> revisits_;  ///< by keyframe, until drop_redundant() has decided
+  /// A correction, or the result of a search of other submaps, that is published with the next scan.
+  std::optional<Recovery> correction_;
   int closures_ = 0;
 };
 

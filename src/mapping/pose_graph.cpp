@@ -13,18 +13,20 @@
 namespace scanlock {
 namespace {
 
-constexpr int kMostSteps = 30;         // at the last scale,
-constexpr int kUpperSteps = 2;         // and at those before it, which only bring it into its basin
-constexpr double kSettled = 1e-6;      // metres and radians: a step that ends a scale
-constexpr double kFixed = 1e14;        // information that holds the first node
-constexpr double kUnknown = 1e-8;      // information of what nothing connects: a covariance of (10 km)^2
-constexpr double kContradicted = 0.1;  // weight of a loop closure that the rest does not bear out
+constexpr int kMostSteps = 30;  // Gauss-Newton steps at the last scale
+// Steps at each larger scale, which only has to reach the basin of the next.
+constexpr int kUpperSteps = 2;
+constexpr double kSettled = 1e-6;  // metres and radians: a smaller step ends the steps of a scale
+constexpr double kFixed = 1e14;    // information that holds the first node
+constexpr double kUnknown = 1e-8;  // information of unconnected nodes: a covariance of (10 km)^2
+// A loop closure of at most this weight is contradicted by the rest of the graph.
+constexpr double kContradicted = 0.1;
 
 double squared_error(const Constraint& constraint, const Vector6& error) {
   return error.dot(constraint.information * error);
 }
 
-/// Nodes in order, by place in the system.
+/// The linear system. The place of a node is its position in the order of ids.
 class System {
  public:
   System(const std::map<std::uint32_t, Pose>& nodes, const std::vector<Constraint>& constraints)
@@ -40,7 +42,7 @@ class System {
   Eigen::Index place(std::uint32_t node) const { return places_.at(node); }
   const Pose& pose(Eigen::Index place) const { return poses[static_cast<std::size_t>(place)]; }
 
-  /// Of all constraints, at a scale of Welsch's function.
+  /// The energy of all constraints, with Welsch's function at scale `nu` for loop closures.
   double energy(double nu) const {
     double sum = 0;
     for (std::size_t i = 0; i < constraints_.size(); ++i) {
@@ -74,7 +76,7 @@ class System {
     }
   }
 
-  /// Poses that a step leads to.
+  /// The poses after a step.
   std::vector<Pose> moved(const Eigen::VectorXd& step) const {
     std::vector<Pose> result = poses;
     for (std::size_t i = 0; i < poses.size(); ++i)
@@ -82,7 +84,8 @@ class System {
     return result;
   }
 
-  /// One step that descends; its greatest component, 0 where none descends.
+  /// Takes one step that lowers the energy, damped as much as that needs. Returns its largest component; 0
+  /// where no step does.
   double descend(double nu) {
     linearise(nu, 0);
     if (!analysed_) solver_.analyzePattern(hessian);
@@ -127,7 +130,7 @@ class System {
     return se3_log(constraints_[i].from_to.inverse() * pose(from).inverse() * pose(to));
   }
 
-  /// The entries of the lower triangle, which stay where they are.
+  /// Lays out the entries of the lower triangle once; their places stay the same.
   void lay_out() {
     const auto n = static_cast<Eigen::Index>(6 * poses.size());
     std::vector<Eigen::Triplet<double>> entries;
@@ -146,7 +149,8 @@ class System {
   void add_lower(Eigen::Index row, Eigen::Index column, const Matrix6& block) {
     for (int j = 0; j < 6; ++j) {
       const int first = row == column ? j : 0;
-      double* const entries = &hessian.coeffRef(6 * row + first, 6 * column + j);  // in a row, as laid out
+      // Contiguous, see lay_out().
+      double* const entries = &hessian.coeffRef(6 * row + first, 6 * column + j);
       for (int i = first; i < 6; ++i) entries[i - first] += block(i, j);
     }
   }
@@ -243,7 +247,7 @@ void PoseGraph::replace(std::uint32_t gone, Constraint between) {
 }
 
 void PoseGraph::remove(std::uint32_t node) {
-  std::vector<Constraint> touching;  // from the node
+  std::vector<Constraint> touching;  // all directed away from the node
   for (const Constraint& c : constraints_) {
     if (touches(c, node) && weight(c) > kContradicted) touching.push_back(c.from == node ? c : reversed(c));
   }

@@ -11,34 +11,36 @@
 
 namespace scanlock {
 
-/// The keyframe that each published pose is tied to, so that the pose can be corrected by later loop
-/// closures. Poses are tied to the keyframe that is the newest then; memory is one stamp a keyframe and
-/// correction, not one a pose.
+/// The keyframe that each published pose is tied to, so that later loop closures can correct the pose. A pose
+/// is tied to the newest keyframe at its time; memory is one stamp per keyframe and correction, not per pose.
 class PoseHistory {
  public:
-  /// The stamp of poses published now. `keyframe`: the newest one, at `map_from_keyframe`.
+  /// The stamp of poses published now. `keyframe`: the newest one, with pose `map_from_keyframe`.
   std::uint32_t stamp(std::uint32_t keyframe, const Pose& map_from_keyframe);
-  /// The stamp of poses of a lost robot, which has gone on from `keyframe`. Each call begins another stamp.
+  /// The stamp of poses of a lost robot, whose last keyframe on the map was `keyframe`. Each call begins
+  /// another stamp.
   std::uint32_t open(std::uint32_t keyframe, const Pose& map_from_keyframe);
-  /// Corrects poses of such a stamp to `correction` * published, and ties them to `keyframe`, which is now at
-  /// `map_from_keyframe`.
+  /// Corrects the poses of a stamp of open() to `correction` * published, and ties them to `keyframe`, whose
+  /// pose is now `map_from_keyframe`.
   void close(std::uint32_t stamp, const Pose& correction, std::uint32_t keyframe,
              const Pose& map_from_keyframe);
-  /// Keyframe `gone` is removed: poses tied to it are tied to `kept` from now on.
+  /// Keyframe `gone` is removed: its poses are tied to `kept` from now on.
   void replace(std::uint32_t gone, std::uint32_t kept, const Pose& kept_from_gone);
-  /// A keyframe is removed: poses tied to it stay where they are.
+  /// A keyframe is removed: its poses keep their present correction.
   void remove(std::uint32_t keyframe, const Pose& map_from_keyframe);
 
-  /// The correction of a published pose in the map as it is now: correction * published. Exactly the identity
-  /// where its keyframe has not moved. `map_from_keyframe`: the pose of a keyframe, by its id.
+  /// The correction of the poses with this stamp in the present map: the corrected pose is correction *
+  /// published. Exactly the identity where the keyframe has not moved. `map_from_keyframe`: returns the pose
+  /// of a keyframe, by its id.
   Pose correction(std::uint32_t stamp, const std::function<Pose(std::uint32_t)>& map_from_keyframe) const;
 
  private:
-  /// A keyframe as it was before it was replaced or removed.
+  /// A keyframe, or what has taken its place: another anchor (kTied), or a fixed pose (kFixed) after its
+  /// removal.
   struct Anchor {
     enum class Kind : std::int8_t { kKeyframe, kTied, kFixed } kind = Kind::kKeyframe;
-    std::uint32_t to = 0;               ///< the keyframe, or the anchor that it is tied to
-    Pose from_here = Pose::Identity();  ///< to that anchor; of a fixed one to the map
+    std::uint32_t to = 0;               ///< id of the keyframe, or index of the anchor that it is tied to
+    Pose from_here = Pose::Identity();  ///< pose in the frame of that anchor; for kFixed in the map frame
   };
   struct Stamp {
     std::uint32_t anchor = 0;
@@ -47,7 +49,7 @@ class PoseHistory {
   std::uint32_t anchor_of(std::uint32_t keyframe);
 
   std::vector<Anchor> anchors_;
-  std::map<std::uint32_t, std::uint32_t> current_;  ///< anchor of a keyframe
+  std::map<std::uint32_t, std::uint32_t> current_;  ///< index of the anchor, by keyframe
   std::vector<Stamp> stamps_;
 };
 

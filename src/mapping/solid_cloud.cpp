@@ -13,13 +13,14 @@
 namespace scanlock {
 namespace {
 
-constexpr int kBlockBits = 9, kCubeBits = 15;  // of Morton keys: 8 voxels a side, and 4 blocks
+// Bits of a Morton key in a block (8 voxels a side) and in a cube (4 blocks a side).
+constexpr int kBlockBits = 9, kCubeBits = 15;
 constexpr std::uint64_t kInBlock = (1u << kBlockBits) - 1, kInCube = (1u << kCubeBits) - 1;
-constexpr int kFineBits = 10;  // of a point's place in its voxel, along each axis
+constexpr int kFineBits = 10;  // bits of a point's position in its voxel, along each axis
 constexpr std::uint32_t kFine = 1u << kFineBits;
 constexpr int kCubeSide = 1 << kCubeBits / 3;  // voxels
 constexpr int kMostLevel = 2;
-constexpr int kBeside = 4;  // of 26: a plane has 8, a line 2
+constexpr int kBeside = 4;  // occupied neighbours of 26 that make a surface: a plane has 8, a line 2
 constexpr double kClosed = 3.0;
 constexpr float kFarthest = 1048575;  // voxels: a key has 21 bits for each axis
 
@@ -45,21 +46,21 @@ bool holds(const Bits& bits, std::uint64_t bit) {
   return (bits[bit >> 6] >> (bit & 63) & 1) != 0;
 }
 
-/// How many of them come before that one.
+/// The number of set bits before `bit`.
 std::size_t rank(const Bits& bits, std::uint64_t bit) {
   std::size_t before = count(bits[bit >> 6] & ((std::uint64_t{1} << (bit & 63)) - 1));
   for (std::size_t word = 0; word < bit >> 6; ++word) before += count(bits[word]);
   return before;
 }
 
-/// Those of the voxel of that level, of one word, which `bit` is in.
+/// Mask, within a word, of the voxel of that level that contains `bit`.
 std::uint64_t of_level(std::uint64_t bit, int level) {
   const int size = 1 << 3 * level;
   const std::uint64_t ones = size == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << size) - 1;
   return ones << (bit & 63 & ~static_cast<std::uint64_t>(size - 1));
 }
 
-/// Voxels of each size, from the smallest to a block, that hold points.
+/// The number of voxels that hold points, for each size from the smallest to a block.
 std::array<std::uint32_t, kMostLevel + 2> voxels(const Bits& taken) {
   std::array<std::uint32_t, kMostLevel + 2> result{0, 0, 0, 1};
   for (const std::uint64_t word : taken) {
@@ -70,7 +71,7 @@ std::array<std::uint32_t, kMostLevel + 2> voxels(const Bits& taken) {
   return result;
 }
 
-/// A point's place in its voxel; `in_voxels`: its coordinates in voxels.
+/// A point's position in its voxel, 10 bits per axis; `in_voxels`: its coordinates in voxels.
 std::uint32_t packed(const Eigen::Vector3f& in_voxels) {
   std::uint32_t result = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -86,7 +87,7 @@ Eigen::Vector3i unpacked(std::uint32_t place) {
   return {axis(2 * kFineBits), axis(kFineBits), axis(0)};
 }
 
-/// From the centre of the voxel, any unit.
+/// Squared distance from the centre of the voxel, in units of half a step of the packed coordinates.
 int squared_distance(std::uint32_t place) {
   return (2 * unpacked(place).array() + 1 - static_cast<int>(kFine)).matrix().squaredNorm();
 }
@@ -103,9 +104,9 @@ const SolidCloud::Block* SolidCloud::Cube::block(std::uint64_t bit) const {
 
 void SolidCloud::add(const PointCloud& part) {
   std::uint64_t last_key = ~std::uint64_t{0};
-  Block* block = nullptr;                                             // of that key
-  const float margin = static_cast<float>(1 << kMostLevel) * voxel_;  // what a point fills at most
-  // By a quarter: most of the memory is here.
+  Block* block = nullptr;                                             // the block of `last_key`
+  const float margin = static_cast<float>(1 << kMostLevel) * voxel_;  // the largest voxel that a point fills
+  // Grows by a quarter only: these lists are most of the memory.
   const auto make_room = [](auto* list) {
     if (list->size() == list->capacity()) list->reserve(list->size() + list->size() / 4 + 1);
   };
@@ -176,7 +177,7 @@ void SolidCloud::forget_below(float x) {
   }
 }
 
-/// What of a block is solid beside the voxels that hold points.
+/// Marks the grown voxels of a block that are solid.
 void SolidCloud::fill(const Cube& cube, std::uint64_t block_bit, Block* block) const {
   const std::uint64_t first = cube.key << kCubeBits | block_bit << kBlockBits;
   std::size_t place = 0;
@@ -187,7 +188,7 @@ void SolidCloud::fill(const Cube& cube, std::uint64_t block_bit, Block* block) c
   }
 }
 
-/// Whether the voxel of a point has others beside it: it is part of a surface.
+/// Whether the grown voxel of a point has enough occupied neighbours to be part of a surface.
 bool SolidCloud::goes_on(const Eigen::Vector3f& point, int level) const {
   const auto size = static_cast<float>(1 << level) * voxel_;
   int beside = 0;
@@ -262,7 +263,8 @@ bool SolidCloud::is_solid(const Eigen::Vector3f& position) const {
   return block && block->is_solid(key & kInBlock);
 }
 
-/// From voxel to voxel along the ray (Amanatides and Woo 1987), and over empty blocks and cubes at once.
+/// Steps from voxel to voxel along the ray (Amanatides and Woo 1987), and across an empty block or cube in
+/// one step.
 std::optional<SolidCloud::Voxel> SolidCloud::hit(const Eigen::Vector3f& eye, const Eigen::Vector3f& direction,
                                                  float range) const {
   constexpr float kNever = std::numeric_limits<float>::infinity();
@@ -274,10 +276,10 @@ std::optional<SolidCloud::Voxel> SolidCloud::hit(const Eigen::Vector3f& eye, con
       continue;
     }
     delta[axis] = voxel_ / std::abs(direction[axis]);
-    // Beyond what is there nothing is hit.
+    // The ray ends at the bounding box of the cloud.
     range = std::min(range, ((direction[axis] > 0 ? high_ : low_)[axis] - eye[axis]) / direction[axis]);
   }
-  /// Metres along the ray to where it leaves the box of so many voxels a side that `at` is in.
+  /// Metres along the ray to where it leaves the box of `side` voxels a side that contains `at`.
   const auto leaves = [&](int axis, int side) {
     if (direction[axis] == 0) return kNever;
     const int begin = at[axis] & ~(side - 1);
@@ -306,7 +308,7 @@ std::optional<SolidCloud::Voxel> SolidCloud::hit(const Eigen::Vector3f& eye, con
     const float out = Eigen::Vector3f(leaves(0, side), leaves(1, side), leaves(2, side)).minCoeff(&axis);
     if (!(out < range)) return std::nullopt;
     const Eigen::Vector3i there = voxel_of(eye + out * direction, voxel_);
-    for (int i = 0; i < 3; ++i) {  // whatever the rounding, it leaves the box by one side only
+    for (int i = 0; i < 3; ++i) {  // leaves the box by one side only, whatever the rounding
       const int begin = at[i] & ~(side - 1), end = begin + side - 1;
       at[i] = i != axis ? std::clamp(there[i], begin, end) : direction[i] > 0 ? end + 1 : begin - 1;
       next[i] = leaves(i, 1);
@@ -314,7 +316,7 @@ std::optional<SolidCloud::Voxel> SolidCloud::hit(const Eigen::Vector3f& eye, con
   }
 }
 
-/// Of those in the voxel of a cube's level.
+/// The voxel with the point nearest to `position`, in the grown voxel (of the cube's level) of `key`.
 SolidCloud::Voxel SolidCloud::nearest(std::uint64_t key, const Cube& cube,
                                       const Eigen::Vector3f& position) const {
   const Block& block = *cube.block(block_bit_of(key));

@@ -14,53 +14,54 @@
 
 namespace scanlock {
 
-/// A cloud as opaque voxels, for ray tracing. Coordinates in metres.
-/// Where points lie apart, voxels grow until the surfaces there have no holes: to the smallest size, by
-/// doubling, in which the points of a cube of 32 voxels take three times the voxels that they take in one of
-/// twice the size. A surface without holes takes four times as many, scattered points take as many; where
-/// that is not reached by two doublings, and where a voxel has few others beside it, they are scattered, and
-/// hide no more than their own voxels.
-/// Takes some 130 bytes for each block of 8 voxels a side that holds a point, and 4 for each further voxel
-/// that holds one, however many points there are.
+/// A cloud as opaque voxels, for ray tracing. Coordinates in metres. Where points are sparse voxels grow
+/// until the surfaces have no holes: in each cube of 32 voxels a side to the smallest size, by at most two
+/// doublings, at which the points occupy three times as many voxels as at twice that size (a surface without
+/// holes occupies four times as many, scattered points just as many). Where there is no such size, and where
+/// a voxel has fewer than 4 occupied neighbours, points count as scattered and occlude no more than their own
+/// voxels. Takes some 130 bytes for each block of 8 voxels a side that holds a point, and 4 for each further
+/// voxel that holds a point, however many points there are.
 class SolidCloud {
  public:
-  /// A voxel of the smallest size that holds a point, and the block that it is in.
+  /// Ids of a voxel of the smallest size that holds a point, and of a block that holds a point.
   using Voxel = std::uint64_t;
   using BlockId = std::uint64_t;
 
-  /// `voxel`: metres, the smallest.
+  /// `voxel`: the smallest size, metres.
   explicit SolidCloud(float voxel) : voxel_(voxel) {}
-  /// Of the points in a voxel the one nearest to its centre is kept, to 1/1024 of the voxel, whatever their
-  /// order. Points that are not finite, or more than 2^20 voxels from the origin, are left out and
-  /// counted.
+  /// Keeps the point nearest to the centre of each voxel, rounded to 1/1024 of the voxel, whatever the order
+  /// of points. Points that are not finite, or 2^20 voxels or more from the origin, are left out and counted.
   void add(const PointCloud& part);
-  /// After the last point: nothing is solid before.
+  /// Grows the voxels; call once, after the last point. Before that only voxels with points are solid.
   void close();
 
-  /// Removes voxels at smaller x than this, metres, except up to 3 m of them.
+  /// Removes all cubes of 32 voxels a side that lie below this x, metres.
   void forget_below(float x);
 
   std::size_t size() const { return size_; }                ///< voxels that hold a point
-  std::uint64_t not_finite() const { return not_finite_; }  ///< points that were left out
-  std::uint64_t too_far() const { return too_far_; }
-  std::vector<BlockId> blocks() const;  ///< that hold a point
-  float block_edge() const;             ///< metres
+  std::uint64_t not_finite() const { return not_finite_; }  ///< points left out as not finite
+  std::uint64_t too_far() const { return too_far_; }        ///< and as too far from the origin
+  std::vector<BlockId> blocks() const;                      ///< the blocks that hold a point
+  float block_edge() const;                                 ///< metres
   Eigen::Vector3f middle_of(BlockId block) const;
   std::vector<Eigen::Vector3f> points_of(BlockId block) const;
   Eigen::Vector3f point(Voxel voxel) const;
-  /// Whether the first of two voxels comes first in Morton order.
+  /// Whether `a` comes before `b` in Morton order.
   bool is_before(Voxel a, Voxel b) const;
   bool is_solid(const Eigen::Vector3f& position) const;
-  /// The first voxel that a ray hits within `range` metres: of a grown voxel, the nearest small one that
-  /// holds a point. `direction`: unit. The voxel of `eye` itself does not stop the ray.
+  /// The first voxel that a ray hits within `range` metres; where it hits a grown voxel, the smallest-size
+  /// voxel in it whose point is nearest to where the ray enters. `direction`: unit vector. The voxel of `eye`
+  /// itself does not stop the ray.
   std::optional<Voxel> hit(const Eigen::Vector3f& eye, const Eigen::Vector3f& direction, float range) const;
 
  private:
   /// Eight voxels a side.
   struct Block {
     std::array<std::uint64_t, 8> taken{};  ///< bits of the voxels that hold points, in Morton order
-    std::uint64_t filled = 0;              ///< bits of the voxels of twice the size that are solid, likewise
-    std::vector<std::uint32_t> points;  ///< of those, in that order, from the voxel's corner: 10 bits an axis
+    /// Bits of the voxels of twice the size that are solid, in Morton order.
+    std::uint64_t filled = 0;
+    /// Points of the voxels in `taken`, in that order, from the voxel's corner: 10 bits per axis.
+    std::vector<std::uint32_t> points;
     bool is_solid(std::uint64_t bit) const {
       return (taken[bit >> 6] >> (bit & 63) & 1) != 0 || (filled >> (bit >> 3) & 1) != 0;
     }
@@ -68,11 +69,11 @@ class SolidCloud {
   /// Four blocks a side.
   struct Cube {
     explicit Cube(std::uint64_t cube_key) : key(cube_key) {}
-    std::uint64_t key;                            ///< Morton, of the cube
+    std::uint64_t key;                            ///< Morton key of the cube
     std::uint64_t blocks = 0;                     ///< bits of the blocks that hold points, in Morton order
-    int level = 0;                                ///< doublings of its voxels
-    std::vector<Block> held;                      ///< of those, in that order
-    std::size_t place(std::uint64_t bit) const;   ///< in `held`, of a block of that bit
+    int level = 0;                                ///< number of doublings of its voxels
+    std::vector<Block> held;                      ///< the blocks in `blocks`, in that order
+    std::size_t place(std::uint64_t bit) const;   ///< index in `held` of the block of that bit
     const Block* block(std::uint64_t bit) const;  ///< null where it holds no point
   };
 
@@ -88,7 +89,7 @@ class SolidCloud {
   std::size_t size_ = 0;
   std::uint64_t not_finite_ = 0, too_far_ = 0;
   Eigen::Vector3f low_ = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()), high_ = -low_;
-  VoxelIndex cube_at_;  ///< by their keys
+  VoxelIndex cube_at_;  ///< index in `cubes_`, by key
   std::vector<Cube> cubes_;
 };
 

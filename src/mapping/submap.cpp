@@ -47,7 +47,8 @@ SavedMap saved_map(const SavedMap& map, const Submap& active, const std::vector<
   std::map<std::uint32_t, std::uint32_t> places = {{kOriginNode, kOriginNode}};
   for (const ArchivedKeyframe& k : map.keyframes) {
     const std::size_t submap = submap_of(k.id, submaps).value_or(0);
-    if (submap > 0 && submaps[submap].graph.nodes().size() == 2) continue;  // its frame, and this one
+    // The nodes are the submap's frame and this keyframe.
+    if (submap > 0 && submaps[submap].graph.nodes().size() == 2) continue;
     SavedMap one;
     one.keyframes.push_back(k);
     if (const auto other = submap_of(k.id, others))

@@ -13,13 +13,13 @@
 
 namespace scanlock {
 
-/// Keyframes that constraints connect, in a frame of their own.
+/// A set of keyframes that constraints connect, with its own frame.
 struct Submap {
-  PoseGraph graph;                       ///< kOriginNode is its frame
+  PoseGraph graph;                       ///< kOriginNode is the submap's frame
   Pose own_from_map = Pose::Identity();  ///< own: the frame of the tracker and its archive
-  bool fixed = false;  ///< true: holds a map that was given and does not move; kOriginNode stands for all its
-                       ///< keyframes
-  /// False: its frame is not that of the map it was loaded with, or which its robot was not found in.
+  /// True: holds a given map, which does not move; kOriginNode stands for all keyframes of that map.
+  bool fixed = false;
+  /// False: a map was loaded, and the submap's pose in the frame of that map is not known.
   bool located = true;
 };
 
@@ -28,22 +28,23 @@ struct Submap {
 bool is_older(const Submap& a, const Submap& b);
 
 /// Both as one graph, in the frame of the older one. `closure`, a constraint from the other to the active
-/// submap, gives their relative pose, and is not connected yet.
+/// submap, gives their relative pose; it is not added to the graph.
 PoseGraph joined(const Submap& active, const Submap& other, const Constraint& closure);
 
-/// The index of the submap that a keyframe is of; nothing where it is of none of them. A keyframe that is no
-/// node is of the fixed one.
+/// The index of the submap that a keyframe belongs to; nothing where it belongs to none of them. A keyframe
+/// that is no node of any graph belongs to the fixed submap.
 std::optional<std::size_t> submap_of(std::uint32_t keyframe, const std::vector<Submap>& submaps);
 
 /// The content of a map file: each keyframe in the frame of its submap. Constraints name keyframes by their
-/// ids, the file by their places; the oldest submap alone is tied to the frame of the file, and others that
-/// have but one keyframe are not kept. `map`: all keyframes, in the frame of the active submap.
+/// ids, in the file by their places in the list. Only the oldest submap is connected to the frame of the
+/// file; other submaps with a single keyframe are left out. `map`: all keyframes, in the frame of the active
+/// submap.
 SavedMap saved_map(const SavedMap& map, const Submap& active, const std::vector<Submap>& others);
-/// The submaps of a map file, that which is tied to the file's frame first. Single keyframes without a
-/// constraint are taken as part of it.
+/// The submaps of a map file; that which is connected to the file's frame comes first, and contains single
+/// keyframes without a constraint, too.
 std::vector<Submap> submaps_of(const SavedMap& saved);
 
-/// Only the keyframes that are tied to the file's frame.
+/// The map with only the keyframes that constraints connect to the file's frame.
 SavedMap first_submap(SavedMap saved);
 
 }  // namespace scanlock

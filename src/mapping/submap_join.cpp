@@ -12,7 +12,7 @@
 namespace scanlock {
 namespace {
 
-/// How far a search of that resolution may be off.
+/// The covariance of the pose by a search with that voxel size.
 Matrix6 resolution(const RecoveryRequest& search, double reach) {
   Vector6 sigma;
   sigma << Eigen::Vector3d::Constant(search.target.voxel),
@@ -49,7 +49,7 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
       find_closure(closure, expected, resolution(request.search, reach), config, &answer.closure.reason);
   if (!closed) return answer;
   const Constraint& found = closed->constraint;
-  // In a tunnel every place along it fits, and agrees with every other.
+  // In a tunnel every pose along it fits, and agrees with every other.
   if (unknown_axes(inverse(found.information), kOnTheGround, kSamePlace, kSameHeading) != 0) {
     answer.closure.reason.insert(0, "leaves a motion open: ");
     return answer;
@@ -72,10 +72,10 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
   }
   if (answer.agreeing.size() < static_cast<std::size_t>(closure.planar ? kPlanarAgreeing : kAgreeing))
     return answer;
-  // Who was not found in the map that was given may be in another building. On a meadow two finds that agree
-  // say little more than one.
+  // A robot that was not found in the loaded map may be in another building: it gets no prior log odds. On a
+  // meadow two finds that agree are little more evidence than one.
   const double before = request.active.located ? kInOwnMap : 0;
-  // A building of the same kind has rooms with the same walls, and other things in them.
+  // Another building of the same kind has rooms with the same walls but other furniture, which costs energy.
   const double against = std::clamp(log_odds_of_energy(closed->more_energy), -kMostOfScans, 0.0);
   if (!closure.planar && before + against + together(std::move(log_odds)) < kBelieved) return answer;
   answer.closure.outcome = ClosureOutcome::kAccepted;
