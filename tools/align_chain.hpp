@@ -44,7 +44,8 @@ inline std::optional<GlobalStart> global_link(const AlignOptions& options, Globa
   return link;
 }
 
-/// Nothing where the matches know nothing: the chain then guesses by itself.
+/// The start for a link of the chain; nothing where the global search found no pose, and the chain guesses by
+/// itself.
 inline std::optional<ChainGuess> chain_guess(const AlignOptions& options,
                                              const std::optional<GlobalStart>& link) {
   if (!link) return std::nullopt;
@@ -117,7 +118,7 @@ inline void run_chain(const AlignOptions& options) {
   }
   bar.reset();
   if (!options.poses.empty()) write_tum(options.poses, trajectory);
-  // Where clouds overlap, one point a voxel is enough.
+  // Overlapping clouds are thinned together to one point per voxel.
   if (!options.output.empty()) write_cloud(options.output, thinned_by(map, chain.voxel()));
   print_chain(options,
               {{"method", options.method},

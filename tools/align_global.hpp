@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// What scanlock-align does for the methods that begin with 4dof.
+// The global registration of scanlock-align, for the methods whose names begin with 4dof.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ inline bool is_global(const std::string& method) {
   return method.compare(0, 4, kGlobalMethod) == 0;
 }
 
-/// Of "4dof+robust-icp": robust-icp; of "4dof" nothing; what is no such method stays as it is.
+/// The method that refines: "robust-icp" for "4dof+robust-icp", "" for "4dof", and any other method itself.
 inline std::string refining_method(const std::string& method) {
   if (method == kGlobalMethod) return "";
   return method.compare(0, 5, "4dof+") == 0 ? method.substr(5) : method;
@@ -29,34 +29,34 @@ inline std::string refining_method(const std::string& method) {
 /// A registration and its times, as scanlock-align reports them.
 struct GlobalStart {
   CloudRegistration registration;
-  double keypoints_ms = 0, features_ms = 0;  // CPU, of the clouds that had to be described
+  double keypoints_ms = 0, features_ms = 0;  // CPU time, for the clouds that had to be described
 
-  /// Where no pose was confirmed, the clouds as they are given are as good a start as any.
+  /// Whether a pose was confirmed; otherwise the clouds are taken as they are given.
   bool found() const { return registration.verdict != GlobalVerdict::kNoOverlap; }
   const Pose& pose(bool refined) const {
     return refined ? registration.target_from_source : registration.start;
   }
-  /// The clouds have confirmed a pose to a part of epsilon: what carries it farther is no refinement.
-  /// `centre` of the source, metres.
+  /// Whether `refined` is too far from the confirmed pose to be a refinement of it, for that pose is known to
+  /// a part of epsilon. `centre`: of the source, metres.
   bool is_left_by(const Pose& refined, const Eigen::Vector3d& centre) const {
-    constexpr double kFar = 0.25;  // of what makes another pose: epsilon, or 1.4 degrees
+    constexpr double kFar = 0.25;  // of the separation of different poses: epsilon, or 1.4 degrees
     return found() && separation(refined, pose(true), centre, registration.epsilon) > kFar;
   }
 };
 
-/// Registers clouds that come one after the other, each to the one before it.
+/// Registers a sequence of clouds, each to the one before it.
 class GlobalSearch {
  public:
   GlobalSearch(const Eigen::Vector3d& up, double voxel, double epsilon) : up_(up), voxel_(voxel) {
     options_.epsilon = epsilon;
   }
 
-  /// `target` is the source of the last call, if there was one: its description will do, unless the scene now
-  /// wants quite another voxel.
+  /// `target` is the source of the last call, if there was one. Its description is reused unless the voxel
+  /// that the target needs differs by more than a factor of 1.25.
   GlobalStart next(const PointCloud& source, const PointCloud& target) {
     constexpr double kAnotherVoxel = 1.25;
     GlobalStart start;
-    // Thinning by less than what the description takes makes it no better.
+    // A voxel below that of the description does not improve the description.
     const double voxel = std::max(description_voxel(target), voxel_);
     const double ratio = known_ ? known_->voxel / voxel : 0;
     if (!(ratio > 1 / kAnotherVoxel && ratio < kAnotherVoxel)) known_ = described(target, voxel, &start);
@@ -77,9 +77,9 @@ class GlobalSearch {
   }
 
   Eigen::Vector3d up_;
-  double voxel_;  // metres, at least
+  double voxel_;  // metres, the smallest
   CloudRegistrationOptions options_;
-  std::optional<CloudDescription> known_;  // of the next target
+  std::optional<CloudDescription> known_;  // the description of the next target
 };
 
 inline void add_global(const GlobalStart& start, nlohmann::ordered_json* json) {

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// The files that scanlock-align reads.
+// Reads the input files of scanlock-align.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,8 @@
 
 namespace scanlock {
 
-/// A cloud with the points that any alignment takes.
+/// Reads a cloud. Throws std::runtime_error where it has fewer than 3 finite points, which any alignment
+/// needs.
 inline PointCloud read_points(const std::string& path) {
   constexpr std::size_t kFewest = 3;
   PointCloud cloud = read_cloud(path);
@@ -28,7 +29,7 @@ inline PointCloud read_points(const std::string& path) {
                            " finite points; an alignment takes at least " + std::to_string(kFewest));
 }
 
-/// Four rows of four numbers.
+/// Reads a rigid transform, four rows of four numbers. Throws std::runtime_error for any other file.
 inline Pose read_transform(const std::string& path) {
   const std::vector<std::uint8_t> bytes = read_file_bytes(path);
   std::istringstream file(std::string(bytes.begin(), bytes.end()));

@@ -34,7 +34,7 @@ struct AlignMatchesOptions {
   MatchRegistrationOptions registration;
 };
 
-/// Whether the command line asks for this instead of for clouds.
+/// Whether the command line has --correspondences, and so no clouds.
 inline bool wants_matches(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     if (std::strncmp(argv[i], "--correspondences", std::strlen("--correspondences")) == 0) return true;
@@ -61,7 +61,7 @@ inline void declare_align_matches(CommandLine line, AlignMatchesOptions& options
   line.flag("--json", options.json, "print one JSON object");
 }
 
-/// Fills in what follows from the options; throws UsageError for what cannot be meant.
+/// Sets the members that follow from other options; throws UsageError for values that are not allowed.
 inline void settle_align_matches(AlignMatchesOptions& options) {
   options.registration.prune = !options.no_pruning;
   options.registration.up = {options.up[0], options.up[1], options.up[2]};
@@ -110,7 +110,8 @@ inline Json align_matches_json(const MatchRegistration& found, const MatchRegist
           {"peak_rss_mb", peak_rss_mb()}};
 }
 
-/// The baseline, in the shape of the solver's answer: nothing proven, all of its time in the search.
+/// The result of RANSAC in the form of the solver's answer: without a certificate, and with all of the time
+/// as search time.
 inline MatchRegistration ransac_baseline(const Matches& matches, double epsilon) {
   MatchRansacOptions options;
   options.epsilon = epsilon;

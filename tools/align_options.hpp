@@ -17,7 +17,7 @@ namespace scanlock {
 
 struct AlignOptions {
   std::string source, target, init, truth, output, picture, poses;
-  std::vector<std::string> more;  // clouds of a chain, beyond the second
+  std::vector<std::string> more;  // clouds of a chain, from the third on
   std::string method;             // empty: not given
   std::vector<double> up = {0, 0, 1};
   double epsilon = 0;
@@ -86,7 +86,7 @@ inline void declare_align_options(CommandLine line, AlignOptions& options) {
   line.flag("--json", options.json, "print one JSON object");
 }
 
-/// Fills in what follows from other options; throws UsageError for those that do not go together.
+/// Sets the members that follow from other options; throws UsageError for options that exclude each other.
 inline void settle_align_options(AlignOptions& options) {
   if (options.method.empty()) options.method = options.init.empty() ? "4dof+robust-icp" : "robust-icp-plane";
   const Eigen::Vector3d up(options.up.data());

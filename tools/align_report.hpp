@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// What the reports of scanlock-align are made of.
+// Functions for the reports of scanlock-align.
 #pragma once
 
 #include <Eigen/Core>
@@ -49,7 +49,8 @@ inline Json axis_names(std::uint32_t axes) {
   return names;
 }
 
-/// How a member of the object is called and measured where people read it; others go by their own names.
+/// The name and the unit of a member of the JSON object in the report for people; members without a label go
+/// by their keys.
 struct Label {
   const char *key, *name, *unit;
 };
@@ -72,7 +73,7 @@ inline std::string with_blanks(std::string name) {
   return name;
 }
 
-/// Four digits of a number that is no integer; lists and objects on one line.
+/// A value as text: numbers that are no integers with four digits, lists and objects on one line.
 inline std::string words_of(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
@@ -103,8 +104,8 @@ inline void print_labelled(const std::string& key, const Json& value) {
                unit.empty() ? "" : (" " + unit).c_str());
 }
 
-/// The object on one line; or, for people, the transform on standard output and the rest, but for long lists,
-/// on standard error.
+/// Prints the JSON object on one line; or, for people, the transform on standard output and all other
+/// members, except long lists, on standard error.
 inline void print_result(const Json& json, bool as_json) {
   if (as_json) {
     print_json(json);

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Which answers of scanlock-align are worth exit 0.
+// Which answers of scanlock-align lead to exit code 0.
 #pragma once
 
 #include <iostream>
@@ -12,7 +12,7 @@
 
 namespace scanlock {
 
-/// Each takes what the one before it takes.
+/// Each value accepts all that the value before it accepts, and more.
 enum class Acceptance { kCertain, kAmbiguous, kAny };
 
 /// `accept`: one of the names of an Acceptance.
@@ -24,9 +24,9 @@ inline Acceptance acceptance(const std::string& name) {
   return name == "certain" ? Acceptance::kCertain : name == "any" ? Acceptance::kAny : Acceptance::kAmbiguous;
 }
 
-/// What an answer is worth, and why, in words.
+/// The verdict on an answer, and its reason in words.
 struct AlignVerdict {
-  Acceptance least = Acceptance::kCertain;  ///< that takes it
+  Acceptance least = Acceptance::kCertain;  ///< the strictest setting that accepts the answer
   std::string why;
 };
 
@@ -51,7 +51,7 @@ inline AlignVerdict verdict_of(const CloudAlignment& found) {
   return {};
 }
 
-/// The exit code; what is not accepted is said in one sentence on standard error.
+/// The exit code; for an answer that is not accepted prints the reason on standard error.
 inline int judge(const AlignVerdict& verdict, const std::string& accept) {
   if (verdict.least <= acceptance(accept)) return 0;
   std::cerr << "scanlock-align: " << verdict.why << "; --accept "

@@ -25,10 +25,11 @@
 namespace scanlock {
 namespace {
 
-/// Else the first file that is opened would be standard output, and results would be printed into it.
+/// Opens /dev/null for standard streams that are closed. Otherwise the first file that is opened would become
+/// standard output, and results would be printed into it.
 void occupy_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    const int wrong_way = stream == STDIN_FILENO ? O_WRONLY : O_RDONLY;  // whoever uses it gets an error
+    const int wrong_way = stream == STDIN_FILENO ? O_WRONLY : O_RDONLY;  // reads and writes of it fail
     if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", wrong_way) < 0) _exit(1);
   }
 }
@@ -40,13 +41,14 @@ std::string nearest_flag(const CLI::App& app, const std::string& letters) {
   return nearest_name(letters, known);
 }
 
-/// What was wrong with the arguments. An unknown flag explains whatever else is missing or too much.
+/// The error of the arguments as a sentence. An unknown flag is reported first, for it explains missing or
+/// surplus values.
 std::string sentence_of(const CLI::ParseError& error, const CLI::App& app) {
   const std::string see_help = "; see " + app.get_name() + " --help";
   for (const std::string& word : app.remaining()) {
     const std::size_t first_letter = word.find_first_not_of('-');
-    if (first_letter == 0) continue;               // a value too many
-    if (first_letter == std::string::npos) break;  // what follows -- is no flag
+    if (first_letter == 0) continue;               // a surplus value
+    if (first_letter == std::string::npos) break;  // the words after -- are no flags
     const std::string flag = word.substr(0, word.find('='));
     const std::string nearest = nearest_flag(app, flag.substr(first_letter));
     return flag + ": unknown flag" + (nearest.empty() ? see_help : "; did you mean --" + nearest + "?");
@@ -54,7 +56,7 @@ std::string sentence_of(const CLI::ParseError& error, const CLI::App& app) {
   return error.what() + see_help;
 }
 
-/// CLI11's own take NaN, and name a range of 300 digits.
+/// The validators of CLI11 accept NaN, and name a range of 300 digits.
 CLI::Validator number_from_zero(bool zero_too) {
   const auto check = [zero_too](const std::string& text) {
     const std::optional<double> value = finite_number(text);
@@ -65,7 +67,7 @@ CLI::Validator number_from_zero(bool zero_too) {
 }
 
 CLI::Validator channel_name() {
-  constexpr std::size_t kLongest = 63;  // LCM's own limit
+  constexpr std::size_t kLongest = 63;  // the limit of LCM
   const auto check = [](const std::string& text) {
     if (!text.empty() && text.size() <= kLongest) return std::string();
     return "'" + text + "' is no channel: 1 to 63 characters";
@@ -88,7 +90,7 @@ void print(const std::string& text) {
 double peak_rss_mb() {
   rusage use{};
   getrusage(RUSAGE_SELF, &use);
-  return static_cast<double>(use.ru_maxrss) * 1024e-6;  // of kibibytes
+  return static_cast<double>(use.ru_maxrss) * 1024e-6;  // ru_maxrss is in kibibytes
 }
 
 int machine_threads() {
@@ -188,9 +190,9 @@ void say(const char* program, const char* sentence) {
 int run_program(const char* program, const char* description, int argc, char** argv,
                 const std::function<void(CommandLine)>& declare, const std::function<int()>& work) {
   occupy_standard_streams();
-  std::signal(SIGXFSZ, SIG_IGN);  // beyond a limit (ulimit -f) a write fails, and says so
+  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit of file size (ulimit -f) then returns an error
   try {
-    std::cerr.tie(nullptr);  // it would flush standard output, and nobody would look at what came of that
+    std::cerr.tie(nullptr);  // it would flush standard output without a check of the result
     CLI::App app(description, program);
     app.set_help_flag("-h,--help", "print this help and exit");
     app.set_version_flag("-V,--version", std::string(program) + " " + SCANLOCK_VERSION,

@@ -1,7 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// What all programs have in common: their options, help and version, one line for what is wrong, and the exit
-// code. CLI11, which takes seconds to compile, is in command_line.cpp alone.
+// The common part of all programs: options, help and version, error messages of one line, and the exit code.
+// CLI11, which takes seconds to compile, is included in command_line.cpp only.
 #pragma once
 
 #include <functional>
@@ -17,52 +17,54 @@ class Option;
 
 namespace scanlock {
 
-/// Arguments that each are possible, but not together: exit 2.
+/// Arguments that are valid each, but not together: exit code 2.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What is printed is a result, too: a disk that does not take it is a failure.
+/// Throws where standard output could not be written, as on a full disk: what is printed is a result, too.
 void check_standard_output(bool good);
 
 void print(const std::string& text);
 
-/// One line. Names of files and channels need not be UTF-8, which JSON has to be.
+/// Prints one line. JSON has to be UTF-8: bytes of names of files and channels that are not are replaced.
 template <typename Json>
 void print_json(const Json& json) {
   print(json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
-/// Of this process so far: peak resident memory.
+/// Peak resident memory of this process so far, in units of 10^6 bytes.
 double peak_rss_mb();
 
-/// Threads that the machine can run at once, at least 1.
+/// The number of threads that the machine can run at once, at least 1.
 int machine_threads();
 
-/// Pictures are SVG; a name that says another format was not meant so. An empty name stands for no picture.
+/// Throws for the name of a picture that has the extension of another format than SVG. An empty name means no
+/// picture.
 void check_picture_path(const std::string& path);
 
-/// A finite number, or nothing for other text.
+/// The finite number that the text is, or nothing for other text.
 std::optional<double> finite_number(const std::string& text);
 
-/// What an option accepts. Errors of the command line name the option and what it takes: exit 2.
+/// Restricts the values of an option. Errors of the command line name the option and its valid values: exit
+/// code 2.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
   Option required() const;
-  /// --help shows the value that is there.
+  /// --help shows the default value.
   Option default_shown() const;
-  /// A finite number of 0 or more, or only above 0.
+  /// The value is a finite number: of 0 or more, or above 0.
   Option from_zero() const;
   Option above_zero() const;
   Option within(int least, int most) const;
   Option one_of(const std::vector<std::string>& names) const;
-  /// The name of a channel.
+  /// The value is the name of a channel.
   Option channel() const;
-  /// May be given again, with one value each time.
+  /// The option may be repeated, with one value each time.
   Option repeated() const;
-  /// So many values, with commas between them.
+  /// The option takes `count` values, separated by commas.
   Option comma_separated(int count) const;
 
  private:
@@ -78,7 +80,7 @@ class CommandLine {
   template <typename Value>
   Option option(const std::string& names, Value& value, const std::string& help);
   void flag(const std::string& names, bool& value, const std::string& help);
-  /// What --help says after the options: explanations, if any, and commands that are examples.
+  /// Text of --help after the options: explanations, if any, and example commands.
   void explain(std::string text, const std::vector<std::string>& examples);
 
  private:
@@ -87,8 +89,8 @@ class CommandLine {
 
 void say(const char* program, const char* sentence);
 
-/// The whole of main(): `declare`s the options to the command line, does the `work`, whose result is the exit
-/// code, and says in one line what went wrong.
+/// The whole of main(): `declare` adds the options to the command line, and `work` returns the exit code. An
+/// error is printed as one line.
 int run_program(const char* program, const char* description, int argc, char** argv,
                 const std::function<void(CommandLine)>& declare, const std::function<int()>& work);
 

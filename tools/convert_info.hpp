@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// What is in a log.
+// Prints the contents of a log.
 #pragma once
 
 #include <cstdio>

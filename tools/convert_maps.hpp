@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Maps: out of a cloud, into a cloud, and two of them as one.
+// Conversions of maps: from a cloud, to a cloud, and two maps into one.
 #pragma once
 
 #include <iostream>

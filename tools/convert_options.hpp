@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// What all conversions of scanlock-convert have in common: the command line, warnings, and the result.
+// The common part of all conversions of scanlock-convert: the command line, warnings, and the result.
 #pragma once
 
 #include <array>
@@ -94,7 +94,7 @@ inline void warn(const ConvertOptions& options, const std::string& what) {
   std::cerr << "scanlock-convert: " << options.input << ": " << what << "\n";
 }
 
-/// The result: one JSON object, or a line of `words` and the output.
+/// Prints the result: one JSON object, or a line of `words` and the name of the output.
 inline void report(const ConvertOptions& options, Json json, const std::string& words) {
   const std::string& output = options.merged.empty() ? options.output : options.merged;
   json["output"] = output;

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Scans: a directory into a log, and a log into a directory or one cloud.
+// Conversions of scans: a directory into a log, and a log into a directory or one cloud.
 #pragma once
 
 #include <algorithm>

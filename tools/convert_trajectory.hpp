@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// A pose channel or a trajectory into a trajectory.
+// Conversion of a pose channel or a trajectory into a trajectory.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ inline void convert_trajectory(const ConvertOptions& options, bool from_log) {
   if (!loaded.warning.empty()) warn(options, loaded.warning);
   Trajectory& trajectory = loaded.trajectory;
   if (std::filesystem::path(options.output).extension() == ".tum") {
-    if (!loaded.has_times) {  // KITTI: the poses are stamped as scans without times.txt are
+    if (!loaded.has_times) {  // KITTI: poses get the stamps of scans without times.txt
       const double first_s = static_cast<double>(options.clock.first_utime()) * 1e-6;
       for (StampedPose& stamped : trajectory)
         stamped.time_s = first_s + options.clock.period_s * stamped.time_s;

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Aligns two clouds.
+// scanlock-align: aligns two clouds, a chain of clouds, or matches.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -47,7 +47,7 @@ double rmse(const PointCloud& cloud, const Pose& a, const Pose& b) {
   return n > 0 ? std::sqrt(sum / static_cast<double>(n)) : 0.0;
 }
 
-/// Points that were aligned, and by what they were thinned (metres).
+/// The numbers of points that were aligned, and the voxel to which they were thinned (metres).
 struct RunSizes {
   std::size_t source = 0, target = 0;
   double voxel = 0;
@@ -103,7 +103,7 @@ Eigen::Vector3d middle_of(const PointCloud& cloud) {
   return sum / std::max(count, 1.0);
 }
 
-/// What a method of ICP makes of a start. Takes the memory of the target back unless a picture needs it.
+/// Refines a start by a method of ICP. Frees the memory of the target unless a picture needs it.
 CloudAlignment refine(const AlignOptions& options, const CloudMethod& method, const PointCloud& source_file,
                       PointCloud& target_file, const Pose& start, const GlobalStart* global, RunSizes* sizes,
                       Milliseconds* ms) {
@@ -115,7 +115,7 @@ CloudAlignment refine(const AlignOptions& options, const CloudMethod& method, co
   const PointCloud& target_cloud = voxel > 0 ? thin_target : target_file;
   CloudTarget target = make_target(options, target_cloud);
   *sizes = {source.size(), target_cloud.size(), voxel};
-  if (options.picture.empty()) target_file = PointCloud{};  // the target has its own copy
+  if (options.picture.empty()) target_file = PointCloud{};  // CloudTarget has its own copy
   ms->index = watch.lap();
   if (method.needs_normals() || global)
     target.prepare_normals(options.threads, nullptr, CloudTarget::normal_neighbours(voxel));
@@ -131,7 +131,8 @@ CloudAlignment refine(const AlignOptions& options, const CloudMethod& method, co
   try {
     CloudAlignment result = align_clouds(source, target, start, method, alignment);
     if (global && global->is_left_by(result.target_from_source, middle_of(source))) {
-      // Sparse points slide along surfaces; planes hold them, or else nothing does.
+      // Point-to-point ICP lets sparse points slide along surfaces: tries point-to-plane ICP, and if that
+      // leaves the confirmed pose, too, keeps the start.
       result = align_clouds(source, target, start, *find_cloud_method("robust-icp-plane"), alignment);
       if (global->is_left_by(result.target_from_source, middle_of(source))) {
         result.target_from_source = start;

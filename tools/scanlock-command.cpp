@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Sends a command to a running daemon, and waits for the status that tells what became of it.
+// scanlock-command: sends a command to a running daemon, and waits for the status with its result.
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -55,7 +55,8 @@ command_t command_of(const std::vector<std::string>& words) {
   if (kind == "save" || kind == "load") {
     expect(1, "a file");
     command.command = kind == "save" ? command_t::SAVE_MAP : command_t::LOAD_MAP;
-    command.path = std::filesystem::absolute(words[1]).string();  // the daemon may run in another folder
+    // The daemon's working directory may be another one.
+    command.path = std::filesystem::absolute(words[1]).string();
   } else if (kind == "reset") {
     expect(0, "no argument");
     command.command = command_t::RESET;
@@ -72,14 +73,14 @@ command_t command_of(const std::vector<std::string>& words) {
   return command;
 }
 
-/// The daemon's last status.
+/// Receives the status messages of the daemon.
 class StatusListener {
  public:
   StatusListener(lcm::LCM& lcm, const std::string& channel) : lcm_(lcm) {
     lcm.subscribe(literal_pattern(channel), &StatusListener::take, this);
   }
 
-  /// The next one, or nothing until then.
+  /// The next status; nothing where none arrives before `until`.
   std::optional<StatusReport> next(Clock::time_point until) {
     last_.reset();
     while (!last_ && Clock::now() < until) {
@@ -100,7 +101,7 @@ class StatusListener {
   std::optional<StatusReport> last_;
 };
 
-/// What the daemon has done.
+/// The result of a command in words.
 std::string done(const command_t& command) {
   switch (command.command) {
     case command_t::SAVE_MAP:

@@ -1,6 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Scans, maps and trajectories between LCM logs and files: the names of the files say which conversion it is.
+// scanlock-convert: converts scans, maps and trajectories between LCM logs and files. The names of the files
+// decide which conversion it is.
 #include <algorithm>
 #include <filesystem>
 #include <initializer_list>
@@ -34,7 +35,7 @@ void check_usage(const ConvertOptions& options) {
       throw UsageError("three files are two maps and the one that they become, each a .map: " + map);
 }
 
-/// The kind of output follows from IN; a name that says another was not meant so.
+/// Throws where the extension of the output contradicts the kind of output that follows from IN.
 void check_kind(const ConvertOptions& options, bool from_directory, bool to_directory) {
   const std::string &input = options.input, &output = options.output;
   if (from_directory && has_extension(output, {".tum", ".kitti", ".txt", ".bin", ".ply", ".pcd"}))
@@ -44,7 +45,8 @@ void check_kind(const ConvertOptions& options, bool from_directory, bool to_dire
                              "and poses into a .tum or .kitti, not into " + output);
 }
 
-/// For an IN that is neither a directory nor a log, and no cloud or map that becomes the other.
+/// Throws for an IN that is neither a directory nor a log, unless both files are trajectories: for a cloud or
+/// a map it names the extension that the output needs.
 void check_file_kind(const std::string& input, const std::string& output, bool to_trajectory) {
   if (is_bare_cloud(input))
     throw std::runtime_error(output + ": name a map .map, which the cloud " + input + " becomes");

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Trajectory errors as numbers and as a picture.
+// scanlock-evaluate: the errors of a trajectory as numbers and as a picture.
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>

@@ -36,18 +36,20 @@ struct Options {
   bool json = false, force = false;
 };
 
-/// What a replay led to.
+/// The result of a replay.
 struct Result {
-  Trajectory trajectory;                             // of every scan that has a pose, predicted ones too
-  std::vector<std::optional<std::uint32_t>> stamps;  // of its poses, see PoseHistory
+  Trajectory trajectory;                             // the pose of each scan, also where it is only predicted
+  std::vector<std::optional<std::uint32_t>> stamps;  // of the poses in `trajectory`, see PoseHistory
   std::array<std::int64_t, 6> states{};
   std::int64_t recoveries = 0, loop_closures = 0, false_starts = 0;
   double distance_m = 0;
-  std::optional<double> found_after_s;  // since the first scan: the first pose in the map, given or its own
-  std::vector<double> scan_ms;          // wall clock, each scan
-  /// Pieces of the trajectory without a jump, where the robot knows its place in the map.
-  std::vector<std::pair<std::size_t, std::size_t>> pieces;       // first pose, and the one after the last
-  std::vector<std::pair<std::size_t, std::string>> corrections;  // pose, and why
+  // Seconds from the first scan to the first pose in a map, loaded or its own.
+  std::optional<double> found_after_s;
+  std::vector<double> scan_ms;  // wall time of each scan
+  /// Pieces of the trajectory without a jump, in which the pose in the map is known.
+  // Indices of the first pose, and of the pose after the last.
+  std::vector<std::pair<std::size_t, std::size_t>> pieces;
+  std::vector<std::pair<std::size_t, std::string>> corrections;  // index of the pose, and the reason
 
   void note(const FinishedScan& finished, double ms) {
     const TrackedScan& tracked = finished.tracked;
@@ -73,7 +75,7 @@ struct Result {
     pieces.back().second = trajectory.size();
   }
 
-  /// Poses go to where the map has them at the end.
+  /// Corrects the poses by the map as it is at the end.
   void settle(const Pipeline& pipeline) {
     for (std::size_t i = 0; i < trajectory.size(); ++i) {
       if (stamps[i]) trajectory[i].pose = pipeline.correction(*stamps[i]) * trajectory[i].pose;
@@ -107,7 +109,7 @@ MapPicture picture_of(const Result& result, const Pipeline& pipeline, const Opti
   return picture;
 }
 
-/// Where nobody asked for messages.
+/// The sink for a replay without output of messages.
 class NoSink final : public MessageSink {
  public:
   void send(std::int64_t, const std::string&, const Bytes&) override {}
@@ -167,7 +169,7 @@ void print(const Json& s) {
               real(s["peak_rss_mb"]));
 }
 
-/// What a log is to blame for, each kind once, with its number and its first sentence.
+/// Prints the faults of the log: for each kind the number and the first message.
 void print_faults(const Statistics& statistics) {
   const Counters counters = statistics.report().counters;
   const std::pair<std::int64_t Counters::*, const char*> kFaults[] = {
@@ -202,7 +204,7 @@ Config configured(const Options& options) {
   Config config = options.config_path.empty() ? Config{} : load_config(options.config_path);
   if (!options.channels.empty()) config.daemon.scan_channels = options.channels;
   if (options.threads > 0) config.tracker.threads = options.threads;
-  config.daemon.map.file = options.start_map_path;  // it is not written: this is a replay
+  config.daemon.map.file = options.start_map_path;  // the map file is only read: a replay does not save
   check_config(config);
   return config;
 }

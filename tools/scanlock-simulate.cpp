@@ -64,7 +64,7 @@ void declare(CommandLine line, Options& options) {
               "(scans empty or of at most 20 points), shake@T+D (strong rotations), halfview@T+D (nothing "
               "seen to "
               "the left), dropout@T+D (scans missing altogether)")
-      .repeated();  // one event each: the word that follows may be the log
+      .repeated();  // one event per option: the word after it may be the log
   line.option("--speed", options.config.speed_mps, "cruising speed in m/s instead of the world's own");
   line.option("--start-speed", options.config.start_speed_mps,
               "speed in m/s as the drive begins, from which it brakes or accelerates to its own")
@@ -87,7 +87,7 @@ void declare(CommandLine line, Options& options) {
   line.option("LOG", options.log, "the LCM log to write").required();
 }
 
-/// What the words on the command line mean; throws UsageError.
+/// Parses the words of the command line; throws UsageError.
 void settle(Options& options) try {
   options.config.world = parse_world(options.world);
   options.config.lidar = parse_lidar(options.lidar);
@@ -102,11 +102,11 @@ void settle(Options& options) try {
 
 Simulator simulator_of(const SimulationConfig& config) try {
   return Simulator(config);
-} catch (const std::invalid_argument& error) {  // what the configuration asks for cannot be
+} catch (const std::invalid_argument& error) {  // the simulator cannot do what the configuration asks for
   throw UsageError(error.what());
 }
 
-/// KITTI's files have intensities of 0 to 1.
+/// Intensities as in KITTI's files: 0 to 1.
 Scan as_kitti(Scan scan) {
   for (float& intensity : scan.points.intensity) intensity /= 255;
   return scan;

@@ -34,11 +34,11 @@ struct Options {
   bool check = false, print = false, json = false, force = false;
 };
 
-/// Turns SIGINT and SIGTERM into the stop signal. They are blocked in every thread, so that no system call of
-/// LCM is ever interrupted, and waited for in one.
+/// Turns SIGINT and SIGTERM into the stop signal. Both are blocked in every thread, so that they never
+/// interrupt a system call of LCM, and one thread waits for them.
 class SignalThread {
  public:
-  /// `unsaved`: there is a map to save, so that an end without it is a failure.
+  /// `unsaved`: there is a map to save, so that an end without saving is a failure.
   SignalThread(StopSignal& stop, bool unsaved) : stop_(stop), unsaved_(unsaved) {
     sigset_t signals;
     sigemptyset(&signals);
@@ -60,8 +60,8 @@ class SignalThread {
   void wait() {
     if (ended_.wait_for_input(signal_fd_, std::chrono::hours(24 * 365)) != StopSignal::Event::kInput) return;
     stop_.request();
-    // A clean end takes one scan and the saving of the map. Whatever holds it up (a peer that does not read,
-    // a slow disk), a robot that shuts down does not wait for it.
+    // A clean end takes the work on one scan and the saving of the map. A robot that shuts down waits 900 ms
+    // at most, whatever delays the end: a peer that does not read, or a slow disk.
     if (ended_.wait_for(std::chrono::milliseconds(900))) return;
     log_line(LogLevel::kWarning, unsaved_
                                      ? "ended without waiting for the work at hand: the map was not saved"
@@ -126,13 +126,13 @@ int check(const Config& config, bool json) {
   return report.good() ? 0 : 1;
 }
 
-/// Before a log is opened for writing.
+/// Checks the logs of input and output before the output is opened for writing.
 void check_logs(const Options& options, const DaemonConfig& daemon) {
   const std::string input = log_url_path(input_url(daemon)), url = output_url(daemon);
   if (!input.empty()) check_log(input);
   const std::string mode = url_option(url, "mode").value_or("r");
-  if (mode == "r") return;           // refused by the daemon
-  const bool appends = mode == "a";  // loses nothing
+  if (mode == "r") return;           // the daemon refuses it
+  const bool appends = mode == "a";  // overwrites nothing
   const std::string& map = daemon.map.file;
   if (!map.empty() && is_log_url(url) && !std::filesystem::exists(map) &&
       same_file(destination_of(map), destination_of(log_url_path(url))))
@@ -142,7 +142,8 @@ void check_logs(const Options& options, const DaemonConfig& daemon) {
 }
 
 int serve(const Config& config) {
-  signal(SIGPIPE, SIG_IGN);  // a TCP peer that went away is an error of one publish, not the end
+  // A TCP peer that disconnected then fails one publish and does not end the daemon.
+  signal(SIGPIPE, SIG_IGN);
   StopSignal stop;
   const SignalThread signals(stop, !saved_map_file(config.daemon.map).empty());
   std::string channels;

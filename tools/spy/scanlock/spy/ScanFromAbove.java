@@ -39,7 +39,8 @@ public class ScanFromAbove implements SpyPlugin {
     private static final int FLOAT32 = 7, FLOAT64 = 8;
     private final boolean sectors;
     private float[] x = {}, y = {}, z = {};
-    private final float[][] collected = new float[3][MAX_DRAWN];  // of the scan whose sectors are coming in
+    // Points of the scan whose sectors are arriving.
+    private final float[][] collected = new float[3][MAX_DRAWN];
     private int collectedPoints, collectedSectors;
     private long collectedUtime;
 

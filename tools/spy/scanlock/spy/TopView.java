@@ -129,7 +129,7 @@ abstract class TopView extends JPanel implements LCMSubscriber {
     frame.setVisible(true);
     moveToFreePlace(SwingUtilities.getWindowAncestor(desktop));
     try {
-      frame.setMaximum(true);  // the spy opens a window with a desktop of its own for us
+      frame.setMaximum(true);  // the spy opens a window with its own desktop for each view
     } catch (java.beans.PropertyVetoException stay) {
       frame.setSize(480, 360);
     }
