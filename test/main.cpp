@@ -11,7 +11,7 @@ namespace {
 
 /// Writes a line for the beginning and the end of each test case to the file that SCANLOCK_TEST_RECORD names,
 /// for tools/check: "begun NAME", then "passed SECONDS NAME", "failed SECONDS NAME" or "skipped SECONDS NAME:
-/// REASON". A test case is skipped when it says so in a message that begins with "skipped: ".
+/// REASON". A test case counts as skipped when it emits a message that begins with "skipped: ".
 class Record final : public doctest::IReporter {
  public:
   explicit Record(const doctest::ContextOptions&) {

@@ -9,8 +9,8 @@
 #include <vector>
 
 /// Whether all trials, seeds and frames of a test case are run (SCANLOCK_ALL_TRIALS, which tools/check --all
-/// sets), or some that stand for them. The sanitisers, which are ten times slower, look for other faults than
-/// wrong answers: few trials show those.
+/// sets), or only a sample of them. Under the sanitisers, which are ten times slower, few trials suffice:
+/// these builds look for memory errors and races, not for wrong answers.
 #ifdef __SANITIZE_ADDRESS__
 constexpr bool kSanitised = true;
 #else
@@ -21,7 +21,7 @@ inline bool all_trials() {
   return !kSanitised && std::getenv("SCANLOCK_ALL_TRIALS") != nullptr;
 }
 
-/// How many of `count` like trials to make: all, or a quarter, or under the sanitisers a tenth, but at
+/// How many of `count` similar trials to run: all, or a quarter, or under the sanitisers a tenth, but at
 /// least 2.
 inline int trials(int count) {
   return all_trials() ? count : std::max(count / (kSanitised ? 10 : 4), std::min(count, 2));

@@ -23,7 +23,7 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Throws where standard output could not be written, as on a full disk: what is printed is a result, too.
+/// Throws where standard output could not be written, as on a full disk: printed text is a result, too.
 void check_standard_output(bool good);
 
 void print(const std::string& text);

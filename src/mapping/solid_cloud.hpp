@@ -14,13 +14,13 @@
 
 namespace scanlock {
 
-/// A cloud as opaque voxels, for ray tracing. Coordinates in metres. Where points are sparse voxels grow
+/// A cloud as opaque voxels, for ray tracing. Coordinates in metres. Where points are sparse, voxels grow
 /// until the surfaces have no holes: in each cube of 32 voxels a side to the smallest size, by at most two
 /// doublings, at which the points occupy three times as many voxels as at twice that size (a surface without
-/// holes occupies four times as many, scattered points just as many). Where there is no such size, and where
-/// a voxel has fewer than 4 occupied neighbours, points count as scattered and occlude no more than their own
-/// voxels. Takes some 130 bytes for each block of 8 voxels a side that holds a point, and 4 for each further
-/// voxel that holds a point, however many points there are.
+/// holes occupies four times as many, scattered points just as many). Where there is no such size or a voxel
+/// has fewer than 4 occupied neighbours, points count as scattered and occlude no more than their own voxels.
+/// Takes some 130 bytes for each block of 8 voxels a side that holds a point, and 4 for each further voxel
+/// that holds a point, however many points there are.
 class SolidCloud {
  public:
   /// Ids of a voxel of the smallest size that holds a point, and of a block that holds a point.

@@ -27,7 +27,8 @@ bool starts_with(const std::string& text, const std::string& start) {
   return text.rfind(start, 0) == 0;
 }
 
-/// Converts to anything: how many of them initialise an aggregate says how many members it has.
+/// Converts to any type: the largest number of them that initialises an aggregate is the number of its
+/// members.
 struct Anything {
   template <typename T>
   operator T() const;

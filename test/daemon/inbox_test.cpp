@@ -19,7 +19,7 @@ std::string word(const TestInbox::Item& item) {
                                            : std::get<std::string>(item);
 }
 
-/// Everything that can be taken, in order.
+/// All items that can be taken, in order.
 std::string drained(TestInbox& inbox) {
   inbox.finish();
   std::string words;

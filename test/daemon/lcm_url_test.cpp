@@ -10,7 +10,7 @@ using namespace scanlock;
 
 namespace {
 
-/// Sets the variable for one test case.
+/// Sets LCM_DEFAULT_URL for one test case.
 class Environment {
  public:
   explicit Environment(const char* value) { setenv("LCM_DEFAULT_URL", value, 1); }

@@ -36,7 +36,7 @@ TEST_CASE("an identity mount changes nothing") {
 }
 
 TEST_CASE("the body moves as the rigid sensor says") {
-  // A body that moves by B carries its sensor from M to B M; the sensor's own motion is M^-1 B M.
+  // A body that moves by B moves its sensor from M to B M; the sensor's own motion is M^-1 B M.
   const Pose mount = some_mount(), body_motion = some_motion();
   TrackedScan tracked;
   tracked.map_from_body = mount.inverse() * body_motion * mount;

@@ -17,7 +17,7 @@ using namespace scanlock;
 
 namespace {
 
-/// A pipeline and what came out.
+/// A pipeline and its output.
 class Bench {
  public:
   explicit Bench(const Config& config, Pipeline::Mode mode = Pipeline::Mode::kLive)
@@ -105,7 +105,7 @@ TEST_CASE("commands that cannot be done are counted and explained and change not
   Bench bench{Config{}};
   bench.scan(0);
   bench.command(CommandKind::kLoadMap, folder / "missing.map");
-  bench.command(CommandKind::kSaveMap);  // to where?
+  bench.command(CommandKind::kSaveMap);  // without a path
   bench.command(CommandKind::kLoadMap, folder / "damaged.map");
   bench.scan(1);
   const std::vector<TrackedScan> tracked = bench.end();
@@ -177,7 +177,7 @@ TEST_CASE("a map made of one cloud that takes the place of a map made of another
   const TemporaryDirectory folder;
   const auto write = [&](const std::string& path, float reach) {
     const Scan scan = hall_scan(Pose::Identity(), Vector6::Zero(), 0, 5);
-    SavedMap map;  // the keyframes of a cloud are numbered
+    SavedMap map;  // keyframes of a map of a cloud have their numbers as utime
     for (int i = 1; i <= 3; ++i)
       map.keyframes.push_back({i, Pose(Eigen::Translation3d(i, 0, 0)), reach, scan.points, {}});
     write_map(path, map);
@@ -232,7 +232,7 @@ TEST_CASE("odometry that contradicts the scans is reported and the pose stays") 
   Bench bench{Config{}};
   for (int i = 0; i < 12; ++i) {
     PriorSample prior;
-    prior.odometry = Pose(Eigen::Translation3d(1.0 * i, 0, 0));  // but the robot stands
+    prior.odometry = Pose(Eigen::Translation3d(1.0 * i, 0, 0));  // while the robot stands
     bench.scan(i, prior);
   }
   const std::vector<TrackedScan> tracked = bench.end();
@@ -250,7 +250,7 @@ TEST_CASE("a map that cannot be written is a failure at exit and a rejected comm
   Bench bench(config);
   for (int i = 0; i < 3; ++i) bench.scan(i);
   bench.command(CommandKind::kSaveMap, "/nonexistent/folder/hall.map");
-  std::filesystem::create_directory(config.daemon.map.file);  // where the file should go
+  std::filesystem::create_directory(config.daemon.map.file);  // a directory in the place of the file
   CHECK_THROWS_WITH_AS(bench.end(), doctest::Contains("hall.map"), std::runtime_error);
   CHECK(bench.counters().commands == 0);
   CHECK(bench.counters().commands_rejected == 1);
@@ -294,7 +294,7 @@ TEST_CASE("until a place in a loaded map is believed a pose is not one of the ma
   CHECK_FALSE(again.end().back().localised);
 }
 
-/// Whose map file is written over in place while it is used.
+/// A daemon whose map file is overwritten in place while it is used.
 struct Overwritten {
   TemporaryDirectory folder;
   Config config;

@@ -8,7 +8,7 @@ using namespace scanlock;
 
 namespace {
 
-/// Whether any of the counts said so.
+/// Whether the watch reported interleaved scans for any of the counts.
 bool told(std::initializer_list<std::int32_t> first_counts, int scans, bool sectors = false, int each = 1) {
   CountWatch watch;
   bool any = false;
@@ -30,12 +30,12 @@ TrackedScan scan(PoseMethod method) {
 
 TEST_CASE("counts of two senders in turn are told from those of one") {
   CHECK(told({100, 5000}, 20));
-  CHECK(told({100, 100}, 20));  // started at once
+  CHECK(told({100, 100}, 20));  // both publishers started at the same time
   CHECK(told({100, 5000}, 20, true));
   CHECK_FALSE(told({100}, 100));
   CHECK_FALSE(told({0}, 100));              // a type without a count
   CHECK_FALSE(told({100}, 100, true, 30));  // 30 sectors a scan
-  CHECK_FALSE(told({100, 5000}, 4));        // too few to tell
+  CHECK_FALSE(told({100, 5000}, 4));        // too few scans to decide
 }
 
 TEST_CASE("places that alternate scan by scan are named once in a while") {

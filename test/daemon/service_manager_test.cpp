@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// What a service manager would be: a socket, and the environment that names it.
+/// A stand-in for the service manager: a socket, and the environment variables that name it.
 class Listener {
  public:
   Listener(std::string address, const char* watchdog_us) : socket_(socket(AF_UNIX, SOCK_DGRAM, 0)) {
@@ -65,11 +65,11 @@ TEST_CASE("the service manager is told of the start, of the end, and in between 
     manager.alive(begin, 0s);
     CHECK(listener.heard() == "WATCHDOG=1");
     manager.alive(begin + 999ms, 0s);
-    CHECK(listener.heard().empty());  // four times in a period
+    CHECK(listener.heard().empty());  // not again before a quarter of the period
     manager.alive(begin + 1s, 3s);
     CHECK(listener.heard() == "WATCHDOG=1");
     manager.alive(begin + 3s, 5s);
-    CHECK(listener.heard().empty());  // it hangs
+    CHECK(listener.heard().empty());  // work of 5 s, more than the period: the daemon hangs
     manager.alive(begin + 6s, 0s);
     CHECK(listener.heard() == "WATCHDOG=1");
     manager.stopping();

@@ -1,11 +1,10 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
 //
-// A simulated day in one building: laps of an office ring, a little aside of each other, and the robot
-// carried elsewhere each half hour. Or hours in a bare cloud of a ring in an office or a town, made by
-// another drive of another sensor: the robot starts in it, and is not carried. Scans go from the simulator to
-// the mapper at once, for a log of them would not fit on a disk. One line an hour, as JSON: see
-// tools/results.
+// A simulated day in one building: laps of an office ring with small lateral offsets, and a kidnap each half
+// hour. Or hours in a bare cloud of a ring in an office or a town, made by another drive with another sensor:
+// the robot starts in that cloud, and is not kidnapped. Scans go from the simulator directly to the mapper,
+// because a log of them would not fit on a disk. Prints one line per hour, as JSON: see tools/results.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -28,10 +27,11 @@ namespace scanlock {
 namespace {
 
 constexpr double kHour_s = 3600, kCarriedEach_s = 1800, kSpeed_mps = 1.2;
-// The frame of the map is that of one scan, whose attitude would be all there is to see at the other end of
-// the building: the poses of so many seconds are laid over the truth.
+// The map's frame is that of the first scan, and an error of its attitude would dominate the position errors
+// at the other end of the building: the poses of these first seconds are aligned with the true poses instead.
 constexpr double kAligned_s = 1200;
-constexpr double kBack_m = 1;  // nearer to the truth the robot is back, farther off a recovery was wrong
+// Largest position error of a correct recovery; beyond it a recovery counts as wrong.
+constexpr double kBack_m = 1;
 
 /// Every fourth column of a VLP-16 that fires 1,800 of them in a turn of a tenth of a second.
 Scan thinned(const Scan& scan) {
@@ -43,9 +43,9 @@ Scan thinned(const Scan& scan) {
   return few;
 }
 
-/// What one hour was like.
+/// The measurements of one hour.
 struct Hour {
-  PosePairs pairs;  // of scans in TRACKING or DEGRADED, but for who is not back yet
+  PosePairs pairs;  // of scans in TRACKING or DEGRADED, without those between a kidnap and its recovery
   std::vector<double> ms;
   int carried = 0, back_in_2_s = 0, wrong = 0, lost = 0, tracking_far_off = 0;
   int elsewhere = 0;  // scans in TRACKING or DEGRADED in a submap that is not located in the given map
@@ -67,7 +67,7 @@ void report(int hour, const Hour& seen, const Pose& world_from_map, const Mapper
   std::fflush(stdout);
 }
 
-/// The ring as a bare cloud, in the frame of the world: every fifth scan of one lap, as a survey has it.
+/// The ring as a bare cloud like that of a survey, in the frame of the world: every fifth scan of one lap.
 SavedMap surveyed(SimulationConfig config) {
   config.lidar = LidarKind::kOs1_64;
   config.seconds.reset();
@@ -81,7 +81,7 @@ SavedMap surveyed(SimulationConfig config) {
   return builder.build("survey");
 }
 
-/// `bare`: in a bare cloud, and not carried.
+/// `bare`: in a bare cloud, and without kidnaps.
 void day(WorldKind world, LidarKind lidar, int hours, unsigned seed, bool bare) {
   SimulationConfig config;
   config.world = world;
@@ -91,7 +91,7 @@ void day(WorldKind world, LidarKind lidar, int hours, unsigned seed, bool bare) 
   Mapper mapper{TrackerConfig()};
   if (bare) mapper.load(surveyed(config), true);
   config.seconds = hours * kHour_s;
-  config.laps = 100 * hours;  // more than it gets to
+  config.laps = 100 * hours;  // more laps than fit into the time
   for (double t = kCarriedEach_s; t < *config.seconds && !bare; t += kCarriedEach_s) {
     SimulationEvent carried{};
     carried.kind = EventKind::kKidnap;
@@ -102,7 +102,7 @@ void day(WorldKind world, LidarKind lidar, int hours, unsigned seed, bool bare) 
   MapWorker worker{TrackerConfig()};
   Hour seen;
   Pose world_from_map = Pose::Identity();
-  double carried_s = 0;  // when that was; 0: it has come back
+  double carried_s = 0;  // time of the last kidnap; 0: recovered
   bool is_aligned = bare;
   int hour = 1;
   std::size_t events = 0;

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// scanlock-align --method 4dof..., from outside.
+// Tests of the program scanlock-align with --method 4dof...
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -66,7 +66,7 @@ TEST_CASE("align prints a pose that is not certain, says so and fails, unless it
   write_cloud(there, scanned_tunnel(2));
   struct Case {
     std::string source, target, verdict;
-    int certain, ambiguous, any;  // exit codes by what is accepted
+    int certain, ambiguous, any;  // exit codes by the value of --accept
   };
   for (const Case& c :
        {Case{yards.source, yards.target, "certain", 0, 0, 0}, Case{here, there, "ambiguous", 1, 0, 0},

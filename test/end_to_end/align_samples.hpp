@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// What the tests of scanlock-align share.
+// Sample clouds and functions for the tests of scanlock-align.
 #pragma once
 
 #include <doctest/doctest.h>

@@ -78,7 +78,7 @@ TEST_CASE("scanlock-align prints the promised JSON and writes its files") {
     CAPTURE(key);
     CHECK(result.output.find("\"" + std::string(key) + "\":") != std::string::npos);
   }
-  const double kibibytes = number(result.output, "peak_rss_mb") * 1e6 / 1024;  // MB is 1e6 bytes everywhere
+  const double kibibytes = number(result.output, "peak_rss_mb") * 1e6 / 1024;  // an MB is 1e6 bytes
   CHECK(kibibytes == doctest::Approx(std::round(kibibytes)).epsilon(1e-9));
   CHECK(number(result.output, "rmse") < 0.005);
   CHECK(number(result.output, "rotation_error_deg") < 0.1);

@@ -23,12 +23,12 @@ namespace {
 constexpr int kPlayedScans = 16;
 #ifdef __SANITIZE_ADDRESS__
 const char* const kSpeed =
-    "0.2";  // a sanitised tracker is several times slower; losing scans would be right then
+    "0.2";  // a sanitised tracker is several times slower, and would replace scans at full speed
 #else
 const char* const kSpeed = "1";
 #endif
 
-/// What came out of the chain lcm-logplayer -> scanlockd -> lcm-logger.
+/// The output of the chain lcm-logplayer -> scanlockd -> lcm-logger.
 struct Recorded {
   ::scanlock::status_t status{};
   std::map<std::int64_t, Place> poses;
@@ -49,11 +49,12 @@ Recorded play_through(const Network& network, const TemporaryFolder& folder, con
                           "--flush-interval=20", "-c", "POSE_.*|SCANLOCK_.*", out});
   Process daemon(folder, {"scanlockd", "-l", network.url()});
   REQUIRE(listener.until_ready());
-  REQUIRE(listener.until([&] { return !read_log(out).empty(); }));  // the logger is there, too
+  REQUIRE(listener.until([&] { return !read_log(out).empty(); }));  // the logger receives, too
   Process player(folder, {"lcm-logplayer", "-l", network.url(), "-s", kSpeed, log});
   CHECK(listener.until([&] { return static_cast<int>(listener.poses.size()) >= scans; }, seconds(20)));
   CHECK(player.wait(seconds(5)) == 0);
-  // The logger writes what it has when the next message comes: the daemon lives until all is there.
+  // The logger writes received messages when the next one arrives: the daemon runs until all of them are
+  // written.
   const int statuses = listener.statuses;
   Recorded recorded;
   CHECK(listener.until(
@@ -158,7 +159,7 @@ TEST_CASE("a scan in sectors has its pose, also when one of them is lost") {
       return listener.until([&] { return static_cast<int>(listener.poses.size()) == count; });
     };
     listener.publish("LIDAR", sectors[0]);
-    CHECK(poses_are(i));  // with the beginning of scan 3, what there is of scan 2 comes out
+    CHECK(poses_are(i));  // when scan 3 begins, the incomplete scan 2 is tracked
     for (std::size_t k = 1; k < sectors.size(); ++k) listener.publish("LIDAR", sectors[k]);
     if (i != 2) CHECK(poses_are(i + 1));
   }

@@ -28,7 +28,7 @@ std::vector<std::uint8_t> command(std::int8_t kind, const std::string& path = ""
   return bytes_of(message);
 }
 
-/// Publishes scans of the drive, each when the pose of the one before is there.
+/// Publishes scans of the drive, each after the pose of the one before has arrived.
 void drive_along(Listener& listener, int first, int last) {
   for (int i = first; i < last; ++i) {
     const std::size_t before = listener.odometry.size();

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// scanlock-convert and scanlock-evaluate as a person or a script meets them.
+// Tests of the programs scanlock-convert and scanlock-evaluate.
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 
@@ -28,7 +28,7 @@ std::size_t lines(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
-/// 200 m straight on at 1 m a pose; the estimate is 1 % too long.
+/// 200 m straight on with 1 m per pose; the estimate is 1 % too long.
 void write_trajectories(const TemporaryFolder& folder) {
   Trajectory reference, estimate;
   for (int i = 0; i <= 200; ++i) {

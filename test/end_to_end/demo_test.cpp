@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// tools/demo, with programs that only say what the real ones would.
+// Tests of tools/demo with stand-ins that only print the output of the real programs.
 #include <doctest/doctest.h>
 
 #include <cstdlib>
@@ -20,7 +20,8 @@ void write_program(const std::string& path, const std::string& text) {
   fs::permissions(path, fs::perms::owner_all);
 }
 
-/// A tree with tools/demo, and stand-ins for the programs it runs; `replaced` scans were too many.
+/// A tree with tools/demo, and stand-ins for the programs it runs; `replaced`: number of replaced scans that
+/// the daemon reports.
 void make_tree(const TemporaryFolder& folder, const std::string& replaced) {
   for (const char* name : {"tools", "build/bin", "path"}) fs::create_directories(folder / name);
   fs::copy_file(SCANLOCK_SOURCE_DIR "/tools/demo", folder / "tools/demo");

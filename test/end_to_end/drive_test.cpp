@@ -14,15 +14,15 @@ using namespace scanlock;
 
 namespace {
 
-/// A scan as it was tracked, and where the sensor was, in the frame of the first one.
+/// A tracked scan, and the true pose of the sensor in the frame of the first scan.
 struct Step {
   TrackedScan tracked;
   Pose truth;
   double metres_off() const { return (tracked.map_from_body.translation() - truth.translation()).norm(); }
 };
 
-/// A drive with a vlp16, through rooms unless another world is named; searches are answered at once.
-/// From 14 s on stamps are `clock_step` microseconds off.
+/// A drive with a vlp16, through rooms unless another world is given; searches are answered at once. From 14
+/// s on stamps are `clock_step` microseconds off.
 std::vector<Step> simulated_drive(double seconds, std::uint64_t seed, const std::vector<const char*>& events,
                                   std::int64_t clock_step = 0, WorldKind world = WorldKind::kIndoor,
                                   double until_s = 1e9) {
@@ -46,7 +46,7 @@ std::vector<Step> simulated_drive(double seconds, std::uint64_t seed, const std:
   return steps;
 }
 
-/// Of a robot that is carried away unseen: it is TRACKING only where it is, and in the end.
+/// For a robot that is kidnapped without scans: it is TRACKING only at its true pose, and at the end.
 void check_found_again(const std::vector<Step>& steps) {
   for (const Step& step : steps)
     if (step.tracked.state == TrackingState::kTracking) CHECK(step.metres_off() < 0.5);
@@ -150,7 +150,8 @@ TEST_CASE("a robot that stops in a wood is not taken for one that turns" *
           doctest::test_suite("long drives") * doctest::skip(!all_trials())) {
   // It stands from 66 to 69 s.
   const std::vector<Step> steps = simulated_drive(90, 7001, {}, 0, WorldKind::kForest, 76);
-  int tracking = 0;  // the others are DEGRADED: few trees hold it as nearly as that is promised
+  // The other scans are DEGRADED: few trees constrain the pose as closely as TRACKING promises.
+  int tracking = 0;
   for (std::size_t i = 1; i < steps.size(); ++i) {
     CHECK(steps[i].tracked.method == PoseMethod::kIcp);
     CHECK(steps[i].metres_off() < 0.4);

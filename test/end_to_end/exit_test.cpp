@@ -27,7 +27,7 @@ long lines_in(const std::string& text) {
 
 namespace {
 
-/// Sends scans, ten a second, for as long as it lives.
+/// Sends ten scans per second during its lifetime.
 class Publisher {
  public:
   Publisher(const std::string& url, const std::string& channel) {
@@ -82,7 +82,7 @@ TEST_CASE("a configuration that cannot be used is 1 and one line that says where
       {"broken.toml", "broken.toml:1: not TOML"},
       {"missing.toml", missing}};
   for (const auto& [file, sentence] : cases) {
-    const std::string name = file;  // clang++ 14 captures no structured binding
+    const std::string name = file;  // clang++ 14 cannot capture a structured binding
     CAPTURE(name);
     const Result result = run(folder, {"scanlockd", "-c", folder / name});
     CHECK(result.code == 1);
@@ -132,7 +132,7 @@ TEST_CASE("a signal ends the daemon with 0 while it works") {
       std::this_thread::sleep_for(milliseconds(1));
     }
     daemon.send(signal);
-    CHECK(daemon.wait(seconds(2)) == 0);  // it promises one; the machine may be busy
+    CHECK(daemon.wait(seconds(2)) == 0);  // the daemon promises one second; the machine may be busy
     CHECK(contains(daemon.errors(), "ended: "));
   }
 }

@@ -35,7 +35,7 @@ std::string line(const char* format, Values... values) {
 
 std::string described(const scanlock::odometry_t& m) {
   static constexpr const char* kMethods[] = {"none", "icp", "global", "predicted"};
-  const auto rounded = [](double value) { return value == 0 ? 0.0 : value; };  // no minus before a zero
+  const auto rounded = [](double value) { return value == 0 ? 0.0 : value; };  // without the sign of -0
   return line("%lld %s %s epoch %d axes %d pose %.3f %.3f %.3f turn %.3f %.3f %.3f %.3f\n",
               static_cast<long long>(m.utime), name_of_state(m.state), kMethods[m.method], m.epoch,
               m.degenerate_axes, rounded(m.pos[0]), rounded(m.pos[1]), rounded(m.pos[2]), m.quat[0],
@@ -76,7 +76,7 @@ std::string described(const scanlock::status_t& m) {
   return text;
 }
 
-/// What the real program makes of a log: a line a scan, the searches, and the counters at the end.
+/// The output of scanlock-odometry for a log: one line per scan, the searches, and the counters at the end.
 std::string outcome_of(const fs::path& log) {
   const TemporaryFolder folder;
   std::vector<std::string> command = {"scanlock-odometry", log.string(), "--output", folder / "out.lcmlog"};

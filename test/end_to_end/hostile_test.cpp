@@ -17,7 +17,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 namespace {
 
-// Where members lie in a bot_core.pointcloud2_t with an empty frame_id.
+// Byte offsets of members in a bot_core.pointcloud2_t with an empty frame_id.
 constexpr std::size_t kFrameIdLength = 20, kHeight = 25, kFields = 33, kFirstNameLength = 37;
 
 Bytes with_int32(Bytes bytes, std::size_t at, std::int32_t value) {
@@ -63,7 +63,7 @@ TEST_CASE("hostile messages are counted one by one and the daemon lives on") {
     CAPTURE(sent);
     REQUIRE(listener.until([&] { return listener.status.scans_received == sent; }));
   };
-  // The tracker's verdicts arrive later than the count of what was received.
+  // The tracker's verdicts arrive later than the counts of received messages.
   const auto settles = [&](std::int64_t(::scanlock::status_t::*counter), std::int64_t value) {
     return listener.until([&] { return listener.status.*counter == value; });
   };
@@ -104,7 +104,7 @@ TEST_CASE("hostile messages are counted one by one and the daemon lives on") {
   CHECK_FALSE(listener.status.last_error.empty());
 
   auto outside = good_scan(utime_of(1));
-  outside.fields[2].offset = 14;  // z would end two bytes behind the point
+  outside.fields[2].offset = 14;  // z would end two bytes after the end of the point
   send(bytes_of(outside));
   outside.fields[2].offset = -4;
   send(bytes_of(outside));

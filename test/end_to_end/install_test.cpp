@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// The build is installed to a folder of its own, and the projects of test/examples use it from there.
+// Tests of an installation in a temporary folder, which the projects of test/examples use.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -51,7 +51,7 @@ std::string line_of(std::int64_t hash) {
   return text;
 }
 
-/// The folders of include/ beside ours, as a consumer with this include path sees them.
+/// The names in a folder of the installed include path, sorted.
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
@@ -118,7 +118,7 @@ TEST_CASE("programs of other projects build against the installation, and find t
   CHECK(contains(heard, " tracking epoch 0 "));
   CHECK(error_of_last_position(heard, first_from(39).translation()) < 0.05);
 
-  // Debian has no module lcm of Python: this one plays a log.
+  // Debian has no Python module lcm: this stand-in plays a log.
   std::ofstream(folder / "lcm.py") << R"(import struct
 class LCM:
     def __init__(self, url):

@@ -13,7 +13,7 @@
 
 namespace scanlock::test {
 
-/// Speaks and listens as any LCM program would.
+/// An LCM program that publishes and subscribes.
 class Listener {
  public:
   explicit Listener(const std::string& url) : lcm_(url) {
@@ -22,7 +22,7 @@ class Listener {
     lcm_.subscribe("POSE_BODY_CORRECTED", &Listener::on_pose, this);
   }
 
-  /// Listens until `done`; false when it was not after `patience`.
+  /// Listens until `done()`; false when that does not happen within `patience`.
   bool until(const std::function<bool()>& done,
              std::chrono::milliseconds patience = std::chrono::seconds(10)) {
     const auto end = std::chrono::steady_clock::now() + patience;
@@ -33,7 +33,7 @@ class Listener {
     return true;
   }
 
-  /// Waits until the daemon says that it receives: its socket is there then.
+  /// Waits until the daemon's status shows that its socket receives.
   bool until_ready() {
     return until([this] { return statuses > 0 && status.recv_buf_granted > 0; });
   }
@@ -42,7 +42,7 @@ class Listener {
     lcm_.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size()));
   }
 
-  ::scanlock::status_t status{};  ///< the last one
+  ::scanlock::status_t status{};  ///< the last status
   int statuses = 0;
   std::vector<::scanlock::odometry_t> odometry;
   std::vector<bot_core::pose_t> poses;

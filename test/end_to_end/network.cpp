@@ -27,7 +27,7 @@ sockaddr address_of(const char* dotted) {
   return out;
 }
 
-/// Sockets that only carry ioctl requests.
+/// A socket for ioctl requests only.
 class Request {
  public:
   Request() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {}

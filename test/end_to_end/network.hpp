@@ -6,17 +6,17 @@
 
 namespace scanlock::test {
 
-/// A network in which multicast works and nobody else speaks. Where the kernel allows it this process and all
-/// that it starts move into a network namespace of their own; nothing about the host's network changes.
+/// A network in which multicast works and no other program sends. Where the kernel permits it, this process
+/// and its children move into a network namespace of their own; the host's network does not change.
 class Network {
  public:
   /// With `route` false the namespace has no multicast route yet (see `add_route`).
   explicit Network(bool route = true);
 
   bool is_private() const { return private_; }
-  /// Why programs cannot speak LCM here; empty when they can.
+  /// The reason why programs cannot use LCM here; empty when they can.
   const std::string& lack() const { return lack_; }
-  /// udpm on a port of this process.
+  /// A udpm URL with a port that only this process uses.
   const std::string& url() const { return url_; }
 
   /// Brings the loopback up and routes multicast through it; only in a private network.

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// What becomes of the files that the programs write, and of those that stood in their place.
+// Tests of the files that the programs write, and of earlier files in their place.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A run that writes one file, the word OUT in its command.
+/// A run that writes one file; the word OUT in its command stands for it.
 struct Writer {
   CommandLine command;
   std::string output;  ///< its name
@@ -96,7 +96,7 @@ CommandLine with(CommandLine command, const std::string& word) {
   return command;
 }
 
-/// One line that the program signs, and exit 1.
+/// Checks for exit code 1 and one line of error that begins with the program's name.
 void check_refusal(const CommandLine& command, const Result& result) {
   CHECK(result.code == 1);
   CHECK(result.errors.rfind(command[0] + ": ", 0) == 0);

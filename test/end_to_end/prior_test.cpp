@@ -17,7 +17,7 @@ namespace {
 constexpr int kDrivenScans = 12;
 constexpr const char* kConfig = "[input]\nprior_odometry_channel = \"WHEELS\"\nattitude_channel = \"IMU\"\n";
 
-/// The drive with wheel odometry and an inertial sensor at 50 Hz, their stamps `shift` microseconds off.
+/// The drive with wheel odometry and an inertial sensor at 50 Hz, whose stamps are `shift` microseconds off.
 std::vector<Event> drive_with_priors(std::int64_t shift) {
   std::vector<Event> events;
   for (int i = 0; i < kDrivenScans; ++i) {
@@ -48,7 +48,7 @@ Result replay(const TemporaryFolder& folder, const std::string& log, const std::
 
 namespace {
 
-/// What a replay complains of, but for that its scans have no times of points, as these have not.
+/// The warnings of a replay, except the one about scans without times of points, as these are.
 std::string complaints(const Result& result) {
   std::string left;
   std::istringstream lines(result.errors);

@@ -24,7 +24,7 @@ std::string resolved(const std::string& program) {
 }
 
 [[noreturn]] void become(const CommandLine& command, const std::string& output, const std::string& errors) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that is killed leaves nothing behind
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends with a test that is killed
   const int out = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   const int err = open(errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   dup2(out, STDOUT_FILENO);

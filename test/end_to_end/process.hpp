@@ -11,7 +11,7 @@
 
 namespace scanlock::test {
 
-/// A folder of its own that goes with the test.
+/// A folder that is removed at the end of the test.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -28,17 +28,19 @@ class TemporaryFolder {
 using CommandLine = std::vector<std::string>;
 std::string joined(const CommandLine& command);
 
-/// A running program; killed when the test forgets it. Its two outputs are kept.
+/// A running program; the destructor kills it. Its standard output and standard error are kept.
 class Process {
  public:
-  /// The first of `command` is a path, a program of ours by its bare name, or one on the PATH.
+  /// The first word of `command` is a path, the name of a program of this project, or that of a program on
+  /// the PATH.
   Process(const TemporaryFolder& folder, const CommandLine& command);
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
   void send(int signal) const;
-  /// The exit code, or 128 plus the signal that ended it; nothing when it still runs after `patience`.
+  /// The exit code, or 128 plus the signal that ended the program; nothing when it still runs after
+  /// `patience`.
   std::optional<int> wait(std::chrono::milliseconds patience);
   std::string output() const;  ///< standard output so far
   std::string errors() const;  ///< standard error so far

@@ -23,7 +23,7 @@ namespace {
 constexpr int kScans = 30;
 constexpr std::int64_t kSecond = 1000000;
 
-/// Scan i of the drive as an event, stamped with `utime`; the event's own time is the true one.
+/// Scan i of the drive as an event, stamped with `utime`; the time of the event is the true time of the scan.
 Event scan_event(int i, std::int64_t utime) {
   return {utime_of(i), "LIDAR", bytes_of(scan_from(place_on_drive(i), utime, 16, 600))};
 }
@@ -34,12 +34,12 @@ std::vector<Event> short_drive(int scans = kScans) {
   return events;
 }
 
-/// What scanlock-odometry makes of these events.
+/// The output of scanlock-odometry for these events.
 struct Outcome {
   Result result;
   nlohmann::json json;
   std::vector<scanlock::odometry_t> odometry;
-  scanlock::status_t status{};  // the last one
+  scanlock::status_t status{};  // the last status
 };
 
 Outcome replay(const std::vector<Event>& events, const std::string& config = "") {
@@ -58,7 +58,7 @@ Outcome replay(const std::vector<Event>& events, const std::string& config = "")
   return outcome;
 }
 
-/// Metres from where the drive is at scan i, relative to the first one.
+/// The position error, metres, at scan i of the drive, relative to the first scan.
 double metres_off(const scanlock::odometry_t& pose, int i) {
   const Place begin = place_on_drive(0), now = place_on_drive(i);
   const double dx = now.x - begin.x, dy = now.y - begin.y;
@@ -123,7 +123,7 @@ TEST_CASE("scans without stamps take the times of their events") {
 TEST_CASE("two publishers on one channel are found out by their clocks and by their places") {
   std::vector<Event> clocks = short_drive(), places = short_drive();
   for (int i = 0; i < kScans; ++i) {
-    // Of another drive, thirty metres aside and turned, between two scans of the first one.
+    // Scans of another drive, 30 m aside and turned, between the scans of the first drive.
     const Place aside{place_on_drive(i).x + 30, place_on_drive(i).y - 200, 1.3};
     const auto between = [&](std::int64_t utime) -> Event {
       return {utime_of(i) + kSecond / 20, "LIDAR", bytes_of(scan_from(aside, utime, 16, 600))};
@@ -172,16 +172,18 @@ TEST_CASE("scanlockd and scanlock-odometry give the same bytes for a log with al
     ++counts[event.channel];
     if (event.channel == "SCANLOCK_ODOMETRY") epochs |= 1u << decoded<scanlock::odometry_t>(event).epoch;
   }
-  // Without the damaged one, the one of another clock and the repeated one; with the empty one, predicted.
+  // Without the damaged scan, the scan without a stamp and the repeated one; with a predicted pose for the
+  // empty one.
   for (const char* channel : {"POSE_BODY_CORRECTED", "SCANLOCK_LOCAL_POSE", "TO_MAP", "SCANLOCK_ODOMETRY",
                               "RIGID", "NAV", "FLAT"}) {
     CAPTURE(channel);
     CHECK(counts[channel] == kScans - 3);
   }
   CHECK(counts["SCANLOCK_STATUS"] >= 6);
-  CHECK(epochs == 3);  // the command was done
+  CHECK(epochs == 3);  // the reset was executed
 
-  // The local pose goes on where that in the map begins anew, and the transform between the two says how.
+  // The local pose goes on without a jump where the pose in the map begins anew, and the published transform
+  // relates both.
   const auto poses = [&](const char* channel) {
     return scanlock::read_log_poses(folder / "a.lcmlog", channel).trajectory;
   };

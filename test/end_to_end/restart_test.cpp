@@ -25,10 +25,10 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 constexpr int kSaved = 120,
-              kKilled = 140;  // scans of the first run: so many are in the map, so many were sent
+              kKilled = 140;  // scans of the first run: in the saved map, and sent in all
 
-/// A drive through rooms, in which the robot is carried while the daemon is down; and its truth in the map's
-/// frame, which is where the first scan stood.
+/// A drive through rooms, with a kidnap while the daemon is down; and the true poses in the map's frame,
+/// which is that of the first scan.
 struct DriveWithACarry {
   std::vector<std::vector<std::uint8_t>> scans;
   std::vector<Pose> truth;
@@ -77,14 +77,14 @@ const scanlock::odometry_t& answer_to(Listener& listener, const std::vector<std:
   return listener.odometry.back();
 }
 
-/// The state says that the pose is one of the map.
+/// Whether the state implies that the pose in the map is known.
 bool claims_a_place(const scanlock::odometry_t& message) {
   const auto state = static_cast<TrackingState>(message.state);
   return state == TrackingState::kInitialising || state == TrackingState::kTracking ||
          state == TrackingState::kDegraded;
 }
 
-/// The first run: it maps, saves on command, drives on, and is killed. The epoch that it ended with.
+/// The first run: maps, saves on command, drives on, and is killed. Returns the last epoch.
 int run_and_kill(const DriveWithACarry& drive, const Network& network, const TemporaryFolder& folder,
                  const std::string& file) {
   Listener listener(network.url());
@@ -128,7 +128,7 @@ TEST_CASE("after kill -9 it finds its place in the saved map and goes on in the 
     const auto begun = Clock::now();
     const scanlock::odometry_t& pose = answer_to(listener, drive.scans[i]);
     CHECK(pose.epoch > epoch);
-    // The search has the time that a sensor would leave it; more where a slow build takes long for a scan.
+    // The search gets the time between two scans of a sensor; more where a slow build takes long for a scan.
     if (scans_before < 0)
       std::this_thread::sleep_for(
           std::max<Clock::duration>(std::chrono::milliseconds(70), 8 * (Clock::now() - begun)));
@@ -137,21 +137,21 @@ TEST_CASE("after kill -9 it finds its place in the saved map and goes on in the 
       CHECK(degrees_off(pose, drive.truth[i]) < 3);
       if (scans_before < 0) scans_before = static_cast<int>(i) - kKilled;
     } else {
-      CHECK(scans_before < 0);  // once found it stays
+      CHECK(scans_before < 0);  // once found, the robot is not lost again
       CHECK(pose.method == static_cast<int>(scanlock::PoseMethod::kPredicted));
     }
   }
   INFO(daemon.errors());
-  CHECK(scans_before > 0);  // the first scan alone is no proof
+  CHECK(scans_before > 0);  // the first scan alone is not sufficient
   CHECK(listener.odometry.back().state == static_cast<int>(TrackingState::kTracking));
   CHECK(listener.until([&] { return listener.status.recoveries == 1; }));
   CHECK(listener.status.state == static_cast<int>(TrackingState::kTracking));
 
-  // What it maps from here on is a continuation: nothing of the old map is lost with the next save.
+  // New keyframes extend the map: the next save keeps the old map.
   const std::vector<scanlock::ArchivedKeyframe> known = scanlock::read_map(file).keyframes;
   daemon.send(SIGTERM);
   CHECK(daemon.wait(seconds(5)) == 0);
-  // Keyframes of another run give way to those that are seen from about the same place now.
+  // Keyframes of the earlier run may be replaced by new ones of about the same position.
   const std::vector<scanlock::ArchivedKeyframe> saved = scanlock::read_map(file).keyframes;
   for (const scanlock::ArchivedKeyframe& old : known) {
     CHECK(std::any_of(saved.begin(), saved.end(), [&](const scanlock::ArchivedKeyframe& k) {

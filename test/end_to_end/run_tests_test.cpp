@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// How tools/run_tests counts: no test case that did not pass may be taken for one that did.
+// Tests of the counts of tools/run_tests: a test case that did not pass must never count as passed.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -13,8 +13,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// tools/run_tests over a folder with one test program, a script that claims `count` test cases and then does
-/// `body`.
+/// Runs tools/run_tests over a folder with one test program, a script that reports `count` test cases and
+/// then executes `body`.
 struct RunnerOutcome {
   int code = -1;
   std::string results;

@@ -9,8 +9,8 @@ using std::chrono::seconds;
 
 namespace {
 
-/// glibc has variants of sin, exp and their like for processors with FMA and AVX2, which round in another
-/// way. The environment takes them away. (Up to glibc 2.32 the names have "_Usable" at their end.)
+/// glibc has variants of sin, exp and similar functions for processors with FMA and AVX2, which round
+/// differently. These environment variables disable them. (Up to glibc 2.32 the names end with "_Usable".)
 const std::string kOlderProcessor =
     "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable,-FMA4_Usable";
 const std::string kThisProcessor = "GLIBC_TUNABLES=";
@@ -33,7 +33,7 @@ TEST_CASE("a replay writes the same bytes on another processor, through a kidnap
                               "BEGIN { for (i = 1; i < 3000; ++i) printf \"%.17g %.17g \", sin(0.37 * i), "
                               "exp(-0.01 * i) }"});
   };
-  // Else the C library is another one, or the processor an older one, and the rest of the test says little.
+  // Otherwise it is another C library or an older processor, and the following checks prove little.
   WARN(digits(kThisProcessor) != digits(kOlderProcessor));
 
   output_of(folder, {"scanlock-simulate", "--world", "urban", "--lidar", "vlp16", "--seconds", "8", "--seed",
@@ -50,6 +50,7 @@ TEST_CASE("a replay writes the same bytes on another processor, through a kidnap
     CAPTURE(extension);
     const std::string bytes = read_file(folder / ("this" + extension));
     CHECK(bytes.size() > 1000);
-    CHECK((bytes == read_file(folder / ("older" + extension))));  // without printing them
+    // In parentheses, so that a failure does not print them.
+    CHECK((bytes == read_file(folder / ("older" + extension))));
   }
 }

@@ -19,7 +19,7 @@ using namespace scanlock::test;
 
 namespace {
 
-/// Greatest distance of poses to those of the same stamps, metres; of the last `count`.
+/// The largest distance, metres, of the last `count` poses to the poses with the same stamps.
 double farthest(const Trajectory& some, const Trajectory& others, std::size_t count) {
   double most = -1;
   for (std::size_t i = some.size() - std::min(count, some.size()); i < some.size(); ++i) {
@@ -31,8 +31,8 @@ double farthest(const Trajectory& some, const Trajectory& others, std::size_t co
   return most;
 }
 
-/// 12 m by 9 m, 2.5 m high, without a ceiling; near a corner is the origin. No point is at a border of voxels
-/// of 0.1 m, so that rounding does not matter.
+/// A room of 12 m by 9 m, 2.5 m high, without a ceiling; the origin is near a corner. No point is on a border
+/// of voxels of 0.1 m, so that rounding does not matter.
 PointCloud room() {
   PointCloud cloud;
   for (int x = 0; x <= 120; ++x) {
@@ -80,7 +80,8 @@ TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in i
   CHECK(contains(there.output, "\"recoveries\":1,"));
   CHECK(contains(there.output, "\"found_after_s\":"));
   CHECK_FALSE(contains(there.output, "\"found_after_s\":null"));
-  // The map's frame is the sensor's at the first scan of its drive, where the other one begins, too.
+  // The map's frame is that of the sensor at the first scan of its drive; the other drive begins at the same
+  // pose.
   const Trajectory truth = read_tum(other + ".tum");
   Trajectory expected = truth;
   for (StampedPose& stamped : expected) stamped.pose = truth.front().pose.inverse() * stamped.pose;
@@ -89,17 +90,17 @@ TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in i
   CHECK(farthest(poses, expected, 60) > 0);
   CHECK(farthest(poses, expected, 60) < 0.1);
   CHECK(read_file(cloud) == bytes);
-  CHECK(read_file(site) == map_bytes);  // which is where one that grows would be saved to
+  CHECK(read_file(site) == map_bytes);  // the path to which a map that grows would be saved
 
-  // Nor does a map that would grow if the daemon played the log.
+  // The replay does not change a .map file either, which the daemon would extend.
   REQUIRE(run(folder, {"scanlock-odometry", other, "--start-map", site}).code == 0);
   CHECK(read_file(site) == map_bytes);
 
-  // A map of the cloud does as well, and one that is to grow is saved beside it.
+  // The cloud can be converted to a map; and with map.mode = extend the grown map is saved beside the cloud.
   const std::string made = folder / "made.map", grown = folder / "grown.ply";
   REQUIRE(run(folder, {"scanlock-convert", cloud, made}).code == 0);
   CHECK(read_map(made).keyframes.size() > 3);
-  CHECK(run(folder, {"scanlock-convert", cloud, made}).code == 1);  // it is there
+  CHECK(run(folder, {"scanlock-convert", cloud, made}).code == 1);  // the file exists already
   std::filesystem::copy_file(cloud, grown);
   write_file(folder / "grow.toml", "[map]\nmode = \"extend\"\n");
   const Result growing =
@@ -123,13 +124,13 @@ TEST_CASE("a replay in the map of another place says that the place was not foun
   CHECK(contains(result.output, "\"found_after_s\":null"));
   const std::string picture = read_file(folder / "room.svg");
   CHECK(contains(picture, "not found in room.ply"));
-  CHECK_FALSE(contains(picture, "class=\"place\""));  // nor where the robot sought itself in its own map
+  CHECK_FALSE(contains(picture, "class=\"place\""));  // searches in the robot's own map are not drawn either
 }
 
 TEST_CASE("a cloud whose y axis points upwards becomes, with --up, the map of the same cloud with z up") {
   const TemporaryFolder folder;
   const PointCloud upright = room();
-  PointCloud lying;  // by a quarter of a turn about x
+  PointCloud lying;  // turned by 90 degrees about x
   for (std::size_t i = 0; i < upright.size(); ++i) {
     const Eigen::Vector3f p = upright.point(i);
     lying.push_back(p.x(), p.z(), -p.y());
@@ -154,7 +155,8 @@ TEST_CASE("a cloud in UTM becomes, with --offset, the map of the same cloud near
   const TemporaryFolder folder;
   PointCloud near = room();
   for (auto* axis : {&near.x, &near.y, &near.z})
-    for (float& v : *axis) v += 0.0137F;  // off the faces of voxels, so that no rounding decides
+    // Off the faces of voxels, so that the result does not depend on rounding.
+    for (float& v : *axis) v += 0.0137F;
   write_cloud(folder / "near.ply", near);
   std::ofstream far(folder / "far.pcd");
   far << "VERSION .7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " << near.size()
@@ -252,7 +254,7 @@ TEST_CASE("what is no map to start in is an error with its name and a reason") {
   for (const auto& [name, reason] :
        {std::pair("wall.ply", "no floor in it"), std::pair("empty.ply", "holds no points"),
         std::pair("cut.ply", "cut.ply"), std::pair("none.ply", "no such file")}) {
-    const std::string file = name;  // clang++ 14 captures no structured binding
+    const std::string file = name;  // clang++ 14 cannot capture a structured binding
     CAPTURE(file);
     const Result result = run(folder, {"scanlock-odometry", log, "--start-map", folder / file});
     CHECK(result.code == 1);

@@ -17,7 +17,7 @@ struct Box {
   double min[3], max[3];
 };
 
-/// Houses of differing depth and height along both sides, and some cars.
+/// Houses of different depths and heights along both sides, and some cars.
 std::vector<Box> street() {
   std::vector<Box> boxes;
   for (int i = -6; i < 10; ++i) {
@@ -64,7 +64,7 @@ constexpr double kPi = 3.14159265358979323846;
 }  // namespace
 
 Place place_on_drive(int scan) {
-  const double t = scan / 10.0, turn = 0.1, speed = 8;  // an arc
+  const double t = scan / 10.0, turn = 0.1, speed = 8;  // along an arc
   return {speed / turn * std::sin(turn * t), speed / turn * (1 - std::cos(turn * t)), turn * t};
 }
 
@@ -176,7 +176,7 @@ double worst_error(const std::map<std::int64_t, Place>& poses, int scans) {
     const auto pose = poses.find(utime_of(i));
     if (pose == poses.end()) continue;
     const Place truth =
-        place_on_drive(i);  // the drive begins at the origin, looking along x: the map's own frame
+        place_on_drive(i);  // the drive begins at the origin, looking along x, as the map's frame
     worst = std::max(worst, std::hypot(pose->second.x - truth.x, pose->second.y - truth.y));
   }
   return worst;

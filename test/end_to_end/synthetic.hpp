@@ -12,7 +12,8 @@
 
 namespace scanlock::test {
 
-/// What the tests make themselves, with lcm-gen's types and nothing of ours, so that they judge from outside.
+/// Messages and logs made with lcm-gen's types and without code of scanlock, so that the tests are
+/// independent of it.
 
 struct Place {
   double x = 0, y = 0, yaw = 0;  ///< metres, radians; the sensor stands 1.7 m above the ground
@@ -21,11 +22,11 @@ struct Place {
 /// A drive along a street: 8 m/s, turning slowly. Scan i is taken at time i / 10 s.
 Place place_on_drive(int scan);
 
-/// What a sensor of `rings` x `columns` rays sees of a street of boxes from there, without motion within the
-/// scan.
+/// The scan of a sensor with `rings` x `columns` rays in a street of boxes at `place`, without motion
+/// distortion.
 bot_core::pointcloud2_t scan_from(const Place& place, std::int64_t utime, int rings, int columns);
 
-/// Any message as the bytes that travel.
+/// The encoded bytes of a message.
 template <typename Message>
 std::vector<std::uint8_t> bytes_of(const Message& message) {
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
@@ -56,7 +57,7 @@ constexpr std::int64_t kFirstUtime = 1700000000000000;
 std::vector<Event> drive(int scans, int rings = 64, int columns = 1900);
 std::int64_t utime_of(int scan);
 
-/// How far the estimate lies from the drive at its worst, relative to the first scan; metres.
+/// The largest position error of the estimate, relative to the first scan; metres.
 double worst_error(const std::map<std::int64_t, Place>& poses, int scans);
 
 }  // namespace scanlock::test

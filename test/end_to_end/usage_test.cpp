@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// What the programs say to a command line or a file that cannot be meant.
+// Tests of the programs' errors for a wrong command line or an unusable file.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ TEST_CASE("every program tells its help and version on standard output") {
       CHECK(help.errors.empty());
       CHECK(contains(help.output, "Usage: " + program));
       CHECK(contains(help.output, "\nExample"));
-      CHECK(contains(help.output, "  " + program + " "));  // which is a command
+      CHECK(contains(help.output, "  " + program + " "));  // the example is a command of this program
     }
     for (const std::string flag : {"-V", "--version"}) {
       const Result version = run(folder, {program, flag});
@@ -200,7 +200,7 @@ TEST_CASE("a file that cannot be read is exit 1 and one line that names it") {
   scanlock::write_cloud(cloud, corner(1));
   scanlock::write_tum(tum, scanlock::Trajectory(3));
   REQUIRE(run(folder, {"scanlock-simulate", "--world", "field", "--seconds", "0.3", log}).code == 0);
-  // IN stands for the file. No output must come of it.
+  // IN stands for the file. No output file may be written.
   const std::string out = folder / "out";
   const std::pair<CommandLine, std::string> cases[] = {
       {{"scanlock-align", "IN", cloud, "--output", out + ".ply"}, ".ply"},

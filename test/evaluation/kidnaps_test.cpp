@@ -14,7 +14,7 @@ Pose exp6(double x, double y, double z, double rx, double ry, double rz) {
   return se3_exp(xi);
 }
 
-const Pose kElsewhere = exp6(30, -20, 2, 0.02, -0.01, 2.0);  // map frame of the estimate in that of the truth
+const Pose kElsewhere = exp6(30, -20, 2, 0.02, -0.01, 2.0);  // the frame of the estimate in that of the truth
 constexpr double kTruthStart = 1.6e9;
 
 /// A truth at 10 Hz and 30 m/s along a bend, kidnapped by 8 m and 120 degrees at 5 s; 15 s long.
@@ -24,7 +24,8 @@ struct KidnappedDrive {
   PosePairs pairs() const { return match_by_time(estimate, truth); }
 };
 
-/// The estimate knows nothing of the kidnap until `back` seconds after it, and says so after 0.2 s.
+/// The estimate goes on as if there were no kidnap until `back` seconds after it; its state shows the loss
+/// from 0.2 s on.
 KidnappedDrive kidnapped_drive(double back, const Pose& where_to = Pose::Identity()) {
   KidnappedDrive drive;
   Pose truth = exp6(5, 5, 0, 0, 0, 0.3), believed = truth;
@@ -58,7 +59,7 @@ TEST_CASE("a fast drive with bends and gaps is no kidnap") {
   Pose pose = Pose::Identity();
   for (int i = 0; i < 300; ++i) {
     pose = pose * exp6(4, 0, 0, 0, 0, i < 100 ? 0.0 : 0.03);
-    if (i % 50 > 3) truth.push_back({0.1 * i, pose});  // four missing in a row
+    if (i % 50 > 3) truth.push_back({0.1 * i, pose});  // four poses in a row are missing
   }
   CHECK(find_kidnaps(truth).empty());
   CHECK(find_kidnaps({}).empty());
@@ -171,7 +172,7 @@ TEST_CASE("a start that drifts is no wrong jump, wherever the rest of the drive 
     drive.estimate[i].pose =
         drive.estimate[i].pose * exp6(0, 0.2 * (20 - static_cast<double>(i)), 0, 0, 0, 0);
   CHECK(examine(drive).wrong_jumps == 0);
-  drive.states[0].state = TrackingState::kLost;  // and comes to a place that is wrong
+  drive.states[0].state = TrackingState::kLost;  // lost, and then found at a wrong pose
   CHECK(examine(drive).wrong_jumps == 1);
 }
 

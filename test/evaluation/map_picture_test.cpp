@@ -46,10 +46,10 @@ TEST_CASE("the picture of a map shows walls and no floor, the way, and where it 
   CHECK(times_in(svg, "1  at 12.5 s: 24 of 1000 matches agree &amp; nothing contradicts") == 1);
   CHECK(times_in(svg, "drive.lcmlog in site.map") == 1);
   const std::size_t dots = times_in(svg, "h0");
-  CHECK(dots >= 90);  // those of the wall
+  CHECK(dots >= 90);  // the points of the wall
   CHECK(dots <= 120);
   picture.map = {};
   picture.ways.clear();
   picture.corrections.resize(100, picture.corrections.front());
-  CHECK(times_in(map_svg(picture), "matches agree") == 12);  // further ones are drawn only
+  CHECK(times_in(map_svg(picture), "matches agree") == 12);  // further ones are drawn without a label
 }

@@ -20,7 +20,7 @@ Pose at(double x, double y, double z, double yaw = 0) {
   return pose;
 }
 
-/// Straight along x at 1 m and 0.1 s a pose, from x = 0; the estimate is `scale` times as long.
+/// A straight path along x from 0 on, with 1 m and 0.1 s per pose; the estimate is `scale` times as long.
 PosePairs straight(int poses, double scale, double yaw_per_metre = 0) {
   Trajectory estimate, reference;
   for (int i = 0; i < poses; ++i) {
@@ -30,7 +30,7 @@ PosePairs straight(int poses, double scale, double yaw_per_metre = 0) {
   return match_by_time(estimate, reference);
 }
 
-/// A closed way with height in it, no symmetry.
+/// A closed path with changes of height, without symmetry.
 PosePairs moved_by(const Pose& estimate_from_reference) {
   PosePairs pairs;
   for (int i = 0; i < 100; ++i) {
@@ -78,7 +78,7 @@ TEST_CASE("a turn of a tenth of a degree a metre is told as that") {
   const Evaluation result = evaluate(straight(201, 1, 0.1 * kPi / 180), 201, Overlay::kNone);
   for (const auto& rpe : result.rpe) CHECK(rpe.value().deg_per_m == doctest::Approx(0.1));
   CHECK(result.ate_m.max == 0);
-  // From the first pose, where the headings still agree, 10 m lead to the same place.
+  // From the first pose, where both headings are equal, 10 m lead to the same position.
   CHECK(relative_error(straight(11, 1, 0.1 * kPi / 180), 10).value().percent ==
         doctest::Approx(0).epsilon(1e-9));
 }
@@ -92,7 +92,8 @@ TEST_CASE("lengths for which the way is too short have no value") {
 }
 
 TEST_CASE("a stretch is divided by the way it really covers") {
-  Trajectory estimate, reference;  // 3 m from pose to pose: the first one 1 m further on is 3 m further on
+  // 3 m from pose to pose, so that the first pose at least 1 m further on is 3 m further on.
+  Trajectory estimate, reference;
   for (int i = 0; i < 5; ++i) {
     reference.push_back({1.0 * i, at(3 * i, 0, 0)});
     estimate.push_back({1.0 * i, at(3.3 * i, 0, 0)});
@@ -115,7 +116,7 @@ TEST_CASE("overlays take out exactly what they are allowed to") {
     CHECK(result.ate_m.max < 1e-12);
     CHECK((result.reference_from_estimate * at(5, -7, 2, yaw)).isApprox(Pose::Identity(), 1e-12));
     CHECK(evaluate(turned, 100, Overlay::kNone).rpe[1].value().percent <
-          1e-9);  // relative errors need no overlay
+          1e-9);  // relative errors need no alignment of the trajectories
   }
   CHECK_THROWS_AS(evaluate({}, 5, Overlay::kNone), std::runtime_error);
   CHECK_THROWS_AS(evaluate(straight(2, 1), 2, Overlay::kSe3), std::runtime_error);
@@ -126,15 +127,15 @@ TEST_CASE("matching by time takes the nearest within the tolerance and each refe
   for (int i = 0; i < 10; ++i) reference.push_back({1e9 + 0.1 * i, at(i, 0, 0)});
   estimate.push_back({1e9 + 0.309, at(3, 1, 0)});  // out of order, too far from the next
   estimate.push_back({1e9 + 0.004, at(0, 1, 0)});
-  estimate.push_back({1e9 + 0.050, at(0, 2, 0)});   // nothing near
-  estimate.push_back({1e9 + 0.295, at(3, 3, 0)});   // nearer to 0.3 than the first one
+  estimate.push_back({1e9 + 0.050, at(0, 2, 0)});   // no reference pose nearby
+  estimate.push_back({1e9 + 0.295, at(3, 3, 0)});   // nearer to 0.3 than the first
   estimate.push_back({1e9 + 0.910, at(9, 1, 0)});   // just within
   estimate.push_back({1e9 + 0.9101, at(9, 2, 0)});  // just beyond
   const PosePairs pairs = match_by_time(estimate, reference);
   REQUIRE(pairs.size() == 3);
   CHECK(pairs[0].estimate.translation().y() == 1);
   CHECK(pairs[1].estimate.translation().y() == 3);
-  CHECK(pairs[1].way_m == doctest::Approx(3));  // of the whole reference, not of the matches
+  CHECK(pairs[1].way_m == doctest::Approx(3));  // along the whole reference, not only along the matches
   CHECK(pairs[2].estimate.translation().x() == 9);
   CHECK(match_by_time({}, reference).empty());
   CHECK(match_by_time(estimate, {}).empty());

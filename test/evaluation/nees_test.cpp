@@ -26,7 +26,7 @@ Vector6 vector6(double x, double y, double z, double rx, double ry, double rz) {
   return v;
 }
 
-/// A matrix L L^T with correlations, of metres and of milliradians.
+/// A covariance L L^T with correlations, with decimetres in translation and milliradians in rotation.
 Matrix6 some_covariance() {
   Matrix6 root = Matrix6::Zero();
   for (int row = 0; row < 6; ++row)
@@ -35,13 +35,14 @@ Matrix6 some_covariance() {
   return root * root.transpose();
 }
 
-/// A drive of 1 m a pose along a bend, in the truth's frame and in the estimate's own.
+/// A drive along a bend with 1 m per pose, with different frames for the true poses and the estimate.
 struct Drive {
   PosePairs pairs;
   std::vector<StampedState> states;
 };
 
-/// `error(k)`: of pose k, as the covariance has it: estimate = true pose in the map frame * exp(error).
+/// `error(k)`: the error of pose k by the covariance's convention: estimate = true pose in the map frame *
+/// exp(error).
 template <typename Error>
 Drive drive_of(int poses, const Error& error) {
   const Pose truth_start = se3_exp(vector6(40, -7, 2, 0.03, -0.02, 2));
@@ -62,7 +63,7 @@ Drive drive_of(int poses, const Error& error) {
   return drive;
 }
 
-/// An error whose square, by some_covariance(), is that.
+/// An error with this squared Mahalanobis norm under some_covariance().
 Vector6 error_of(double square, int axis = 3) {
   const Matrix6 root = cholesky(some_covariance());
   return root * std::sqrt(square) * Vector6::Unit(axis);
@@ -101,8 +102,9 @@ TEST_CASE("NEES leaves out what does not track, and takes the next pose that doe
   Drive drive = drive_of(31, [](int k) { return error_of(k); });
   drive.states[5].state = TrackingState::kRecovering;
   drive.states[6].state = TrackingState::kDegraded;
-  drive.states[15].covariance.setZero();                                       // says nothing
-  drive.states.erase(drive.states.begin() + 20);                               // was not recorded
+  drive.states[15].covariance.setZero();  // no covariance
+  // A state that was not recorded.
+  drive.states.erase(drive.states.begin() + 20);
   for (int k = 24; k < 30; ++k) drive.states[k].state = TrackingState::kLost;  // poses 25 to 30
   const auto nees = normalised_error(drive.pairs, drive.states, kNever);
   REQUIRE(nees);
@@ -117,7 +119,7 @@ TEST_CASE("NEES ends at the first kidnap and at the first change of epoch") {
   REQUIRE(before);
   CHECK(before->poses == 9);
   CHECK(before->mean == doctest::Approx(4));
-  for (int k = 50; k < 80; ++k) drive.states[k].epoch = 1;  // what comes after 80 m is not taken either
+  for (int k = 50; k < 80; ++k) drive.states[k].epoch = 1;  // poses after 80 m are not used either
   CHECK(normalised_error(drive.pairs, drive.states, kNever)->poses == 9);
 }
 
@@ -137,7 +139,7 @@ TEST_CASE("NEES of a planar sensor is that of x, y and yaw") {
   // By hand: the inverse of ((1, 0.6), (0.6, 1)) / 100 has 100 / 0.64 in its corner. The translation of the
   // error's logarithm is as given; 0.04 * 156.25 + 9e-4 * 1e4.
   CHECK(nees->mean == doctest::Approx(6.25 + 9).epsilon(1e-6));
-  CHECK(nees->beyond_99 == doctest::Approx(1));  // of 11.34; 16.81 would not be exceeded
+  CHECK(nees->beyond_99 == doctest::Approx(1));  // beyond 11.34 (3 degrees of freedom), not beyond 16.81 (6)
   drive.states[25].degenerate_axes = 1;
   CHECK(normalised_error(drive.pairs, drive.states, kNever)->dof == 6);
 }

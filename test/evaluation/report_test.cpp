@@ -37,7 +37,7 @@ std::size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-/// Each element is closed, in order: a sign of well-formed XML that needs no parser.
+/// Whether each element is closed, in order: a test of well-formed XML without a parser.
 bool is_balanced(const std::string& xml) {
   std::vector<std::string> open;
   for (std::size_t at = xml.find('<'); at != std::string::npos; at = xml.find('<', at + 1)) {
@@ -165,11 +165,11 @@ TEST_CASE("a kidnap is marked and what does not track is drawn apart") {
     return row == rows.end() ? "no such row" : row->second;
   };
   CHECK(value_of("while tracking") == "300 poses");
-  CHECK(value_of("  ATE rmse") == "0.500 m");  // the first of them; that of all poses follows
+  CHECK(value_of("  ATE rmse") == "0.500 m");  // the first row of this name; that of all poses follows
   CHECK(value_of("  error until back").substr(0, 9) == "300 poses");
   CHECK(value_of("all poses") == "600 poses");
   CHECK(rows.back().first == "wrong jumps");
-  CHECK(rows.back().second == "1");  // it claims to track where it is not
+  CHECK(rows.back().second == "1");  // the estimate reports TRACKING at a wrong pose
 }
 
 }  // namespace scanlock

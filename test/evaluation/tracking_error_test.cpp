@@ -14,8 +14,8 @@ Pose at(double x, double y) {
   return pose;
 }
 
-/// 20 s along a bend at 10 Hz, from 10 m/s on; the estimate is 0.1 m off, to either side in turn, and says
-/// TRACKING.
+/// 20 s along a bend at 10 Hz, from 10 m/s on; the estimate is 0.1 m off, alternately to either side, and
+/// reports TRACKING.
 struct BendingDrive {
   Trajectory truth, estimate;
   std::vector<StampedState> states;
@@ -31,7 +31,7 @@ struct BendingDrive {
   void say(int from, int to, TrackingState state) {
     for (int i = from; i < to; ++i) states[i].state = state;
   }
-  /// The truth is 8 m aside from second 10 on; the estimate follows it with second `back`.
+  /// The true poses jump by 8 m to the side at second 10; those of the estimate at scan `back`.
   void kidnap(int back) {
     for (int i = 100; i < 200; ++i) truth[i].pose.translation().y() += 8;
     for (int i = back; i < 200; ++i) estimate[i].pose.translation().y() += 8;
@@ -55,7 +55,7 @@ TEST_CASE("errors while tracking know nothing of a kidnap, and those until the r
   CHECK(split.tracking->ate_m.rmse == doctest::Approx(0.1));
   CHECK(split.tracking->ate_m.max == doctest::Approx(0.1));
   REQUIRE(split.away.size() == 1);
-  CHECK(split.away[0].poses == 20);  // the first two say TRACKING, but are not where they say
+  CHECK(split.away[0].poses == 20);  // the first two report TRACKING at a wrong pose
   REQUIRE(split.away[0].ate_m);
   CHECK(split.away[0].ate_m->rmse == doctest::Approx(8).epsilon(0.02));
 }

@@ -1,7 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// relocalise MAP.ply LOG: where in a bare cloud the robot is that took the scans of a log. Prints the time
-// and the position of the first scan whose pose in the map is believed.
+// relocalise MAP.ply LOG: finds the robot that recorded the scans of a log in a bare cloud. Prints the time
+// and the position of the first scan whose pose in the map is accepted.
 #include <cstdio>
 #include <exception>
 #include <iostream>

@@ -6,7 +6,7 @@
 
 using namespace scanlock;
 
-/// As it came, and with a size and a checksum that fit, which no mutation finds.
+/// Decodes the input as it is, and with a correct size and checksum, which mutations would not find.
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t kHeader = 20, kChecksum = 4;
   std::vector<std::uint8_t> bytes(data, data + size);

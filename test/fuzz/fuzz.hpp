@@ -16,12 +16,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace scanlock::fuzz {
 
-/// Ends the program, and so reports the input, where something that must hold does not.
+/// Ends the program, and so reports the input, where a required condition does not hold.
 inline void require(bool holds) {
   if (!holds) std::abort();
 }
 
-/// A regular file in memory, for readers that want a path.
+/// A regular file in memory, for readers that take a path.
 class MemoryFile {
  public:
   MemoryFile(const std::uint8_t* data, std::size_t size) : descriptor_(memfd_create("input", 0)) {

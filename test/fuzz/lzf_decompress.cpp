@@ -3,7 +3,7 @@
 #include "fuzz.hpp"
 #include "io/lzf.hpp"
 
-/// The first two bytes are the size that is asked for.
+/// The first two bytes are the requested size.
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < 2) return 0;
   const std::size_t wanted = data[0] | static_cast<std::size_t>(data[1]) << 8;

@@ -7,7 +7,7 @@
 
 namespace scanlock {
 
-/// FNV-1a over the bits of numbers: one constant in a test says that all of them are what they were.
+/// FNV-1a over the bits of numbers, so that a test compares all of them with one constant.
 class BitHash {
  public:
   void add(double x) {

@@ -20,7 +20,7 @@ namespace {
 using Limits = std::numeric_limits<double>;
 constexpr double kInfinity = Limits::infinity();
 
-/// How far off a result is, in units of the last place of the true value.
+/// The error of a result in units of the last place of the true value.
 double ulps(double got, long double truth) {
   const double nearest = static_cast<double>(truth);
   if (std::isinf(nearest) || std::isinf(got)) return nearest == got ? 0 : kInfinity;
@@ -35,7 +35,7 @@ using Draw = std::function<double(double)>;  // from [0, 1) to an argument
 Draw between(double low, double high) {
   return [=](double u) { return low + (high - low) * u; };
 }
-/// Of every order of magnitude from 2^low to 2^high.
+/// Arguments of every order of magnitude from 2^low to 2^high.
 Draw powers(double low, double high) {
   return [=](double u) { return std::exp2(low + (high - low) * u); };
 }
@@ -85,7 +85,7 @@ const std::vector<Range> kRanges = {
 }  // namespace
 
 TEST_CASE("elementary functions are as accurate as they say") {
-  if (std::numeric_limits<long double>::digits < 64) return;  // nothing to judge by
+  if (std::numeric_limits<long double>::digits < 64) return;  // no reference of higher precision
   std::mt19937_64 random(7);
   const auto draw = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
   for (const Range& range : kRanges) {
@@ -96,7 +96,7 @@ TEST_CASE("elementary functions are as accurate as they say") {
       worst = std::max(worst, ulps(range.ours(x), range.truth(static_cast<long double>(x))));
     }
     CHECK(worst < range.bound);
-    CHECK(worst > 0.45);  // else nothing was measured
+    CHECK(worst > 0.45);  // otherwise nothing was measured
   }
 }
 
@@ -216,7 +216,7 @@ TEST_CASE("sine and cosine of any number are of one angle, the same for both sig
     CHECK(std::abs(s) <= 1.0);
     CHECK(std::abs(c) <= 1.0);
     CHECK(std::abs(s * s + c * c - 1.0) < 5e-16);
-    // As far from the truth as another number that rounds to x.
+    // The change of the result for another number that rounds to x.
     const double slack = 5e-16 + (x > 0x1p20 ? x * 0x1p-53 : 0.0);
     if (slack < 1) CHECK(std::abs(s - std::sin(x)) < slack);
   }

@@ -8,7 +8,7 @@
 
 namespace scanlock {
 
-/// Of at most seven rows, which compiles in a third of the time.
+/// A matrix of at most seven rows, which compiles in a third of the time.
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 7, 7>;
 
 /// The element of the Lie algebra se(3).
@@ -19,7 +19,7 @@ inline SmallMatrix as_matrix(const Vector6& xi) {
   return m;
 }
 
-/// exp by its definition, equation 11: the Taylor series of a square matrix, scaled and squared.
+/// exp by its definition, equation 11: the Taylor series of a square matrix, with scaling and squaring.
 inline SmallMatrix matrix_exponential(SmallMatrix m) {
   int halvings = 0;
   for (; m.norm() > 0.25; ++halvings) m *= 0.5;

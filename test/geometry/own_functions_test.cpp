@@ -1,7 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// What poses and messages depend on takes no function of the C library that may round in another way
-// elsewhere.
+// Tests that the code on which poses and messages depend calls no function of the C library that may round
+// differently on another machine.
 #include <doctest/doctest.h>
 #include <regex.h>
 
@@ -14,21 +14,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// All rooms but `evaluation`, whose pictures may differ in the last digit.
+/// All rooms (folders of src) except `evaluation`, whose pictures may differ in the last digit.
 const std::vector<std::string> kRooms = {"geometry", "search",   "icp", "global", "odometry",
                                          "mapping",  "messages", "io",  "daemon", "simulation"};
 
-// Eigen's take std::sin and its like; the standard's distributions differ between libraries.
+// These functions of Eigen call std::sin and similar ones; the distributions of the standard library differ
+// between implementations.
 constexpr const char* kForeign =
     R"(std::(a?(sin|cos|tan)h?|atan2|exp|exp2|expm1|log|log2|log10|log1p|pow|hypot|cbrt|erfc?|[lt]gamma|fma)f?l?\()"
     R"(|\bAngleAxis|\bRotation2D|computeDirect|angularDistance|\.slerp\(|\.eulerAngles\(|\.canonicalEulerAngles\()"
     R"(|\blong double\b|\w_distribution<)";
-// Without the header these names are the C library's.
+// Without the header these names are functions of the C library.
 constexpr const char* kOwn =
     R"((^|[^[:alnum:]_.:>])(exp|expm1|exp2|log|log1p|log2|sin|cos|sincos|asin|acos|atan2|hypot)\()";
 const std::string kHeader = "#include \"geometry/elementary.hpp\"";
 
-/// GCC 12 warns of the standard library's regular expressions under a sanitiser; these are the C library's.
+/// A regular expression of the C library, because GCC 12 warns about those of the standard library under a
+/// sanitiser.
 class Pattern {
  public:
   explicit Pattern(const char* text) { REQUIRE(regcomp(&compiled_, text, REG_EXTENDED | REG_NOSUB) == 0); }

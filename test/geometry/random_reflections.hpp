@@ -7,7 +7,7 @@
 
 namespace scanlock {
 
-/// An orthogonal matrix: the product of as many random reflections as it has rows. In place of the Q of a QR
+/// A random orthogonal matrix: the product of as many reflections as it has rows. Not the Q of a QR
 /// decomposition, which takes long to compile.
 template <typename Square>
 Square random_reflections(std::mt19937& random) {

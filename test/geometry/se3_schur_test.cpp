@@ -1,7 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// The logarithm of SE(d) for any d by the real Schur form (appendix A, algorithm 3) as the judge of the
-// closed form.
+// Tests of the closed form of the logarithm against that of SE(d) by the real Schur form (appendix A,
+// algorithm 3).
 #include <doctest/doctest.h>
 
 #include <Eigen/Eigenvalues>
@@ -69,7 +69,7 @@ TEST_CASE("the closed form agrees with the Schur form from the smallest angles t
       pose.translation() = Eigen::Vector3d(normal(random), normal(random), normal(random));
       const Vector6 xi = se3_log(pose);
       CHECK(std::abs(xi.tail<3>().norm() - angle) < 1e-12);
-      // The judge itself divides by 1 - cos(angle), and Schur's iteration loses a digit or two.
+      // The reference itself divides by 1 - cos(angle), and the Schur iteration loses a digit or two.
       const double slack = 1e-12 + 1e-15 / (angle * angle);
       CHECK((schur_log(pose.matrix()) - as_matrix(xi)).norm() < slack);
     }

@@ -20,7 +20,8 @@ using Square = Eigen::Matrix<double, kAxes, kAxes>;
 template <int kAxes>
 using Values = Eigen::Matrix<double, kAxes, 1>;
 
-/// Against Eigen's iterative solver, and against what eigenvectors are; relative to the largest element.
+/// Checks against Eigen's iterative solver and against the definition of eigenvectors; errors relative to the
+/// largest element.
 template <int kAxes>
 void check(const Square<kAxes>& a) {
   CAPTURE(a);

@@ -54,7 +54,7 @@ TEST_CASE("Points on the axis are reached by all angles or by none") {
   CHECK(reach_of(0, 0, 0.15, 1, 0.1, interval) == AngleReach::kNever);
   CHECK(reach_of(0.05, 2, 0, 0, 0.1, interval) == AngleReach::kAlways);
   CHECK(reach_of(0, 0, 0, 0, 0, interval) == AngleReach::kAlways);
-  CHECK(reach_of(0.1, 2, 0, 0, 0.1, interval) == AngleReach::kAlways);  // just touches
+  CHECK(reach_of(0.1, 2, 0, 0, 0.1, interval) == AngleReach::kAlways);  // the ball just reaches it
 }
 
 TEST_CASE("Stabbing sees intervals across 2 pi") {
@@ -68,7 +68,7 @@ TEST_CASE("Stabbing sees intervals across 2 pi") {
   CHECK(theta >= 0.05);
   CHECK(theta <= 0.1);
   stabber.clear();
-  stabber.add({2 * kPi - 0.2, 0.2});  // ends at 2 pi, where the next begins
+  stabber.add({2 * kPi - 0.2, 0.2});  // ends at 2 pi, where the next interval begins
   stabber.add({0, 0.1});
   CHECK(stabber.stab(theta) == 2);
 }

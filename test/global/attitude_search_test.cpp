@@ -19,7 +19,8 @@ using Eigen::Vector3d;
 
 constexpr int kInliers = 30, kRival = 26, kOutliers = 300;
 
-/// A place in one of several attitudes, a rival in another one, and what is right by chance.
+/// Matches with a large consensus in one of several attitudes, a rival consensus in another attitude, and
+/// random outliers.
 struct Slopes {
   explicit Slopes(unsigned seed) : sample(seed) {
     for (int k = 0; k < 6; ++k)
@@ -40,7 +41,7 @@ struct Slopes {
   Matches matches;
 };
 
-/// The largest consensus of all attitudes, each searched for itself and to its end.
+/// The largest consensus over all attitudes, by a complete search in each.
 int most_of_all(const Slopes& slopes) {
   int most = 0;
   for (const Vector3d& up : slopes.ups) {

@@ -14,7 +14,7 @@ TEST_CASE("A set of cells holds what was put into it and nothing else") {
   CellSet cells;
   std::set<std::uint64_t> known;
   for (int i = 0; i < 50000; ++i) {
-    const std::uint64_t key = random() % 30000 << (i % 40);  // many come twice, and low bits repeat
+    const std::uint64_t key = random() % 30000 << (i % 40);  // many keys repeat, and so do the low bits
     cells.insert(key);
     known.insert(key);
   }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kSpacing = 0.2f;
 
-/// Upright, from one corner to the other, 2.4 m high about the height of the sensor, which stands at `eye`.
+/// Adds an upright wall from one corner to the other, 2.4 m high about the height of the sensor at `eye`.
 void add_wall(const Eigen::Vector2f& from, const Eigen::Vector2f& to, const Eigen::Vector3f& eye,
               PointCloud* cloud) {
   const int steps = static_cast<int>((to - from).norm() / kSpacing);
@@ -24,7 +24,7 @@ void add_wall(const Eigen::Vector2f& from, const Eigen::Vector2f& to, const Eige
   }
 }
 
-/// 8 m by 6 m, or 4 m with a wall across.
+/// A room of 8 m by 6 m; half_room() is 4 m long and ends with a wall across.
 PointCloud half_room(const Eigen::Vector3f& eye) {
   PointCloud cloud;
   add_wall({0, -3}, {4, -3}, eye, &cloud);
@@ -69,7 +69,7 @@ TEST_CASE("a wall that the other cloud's rays went through contradicts") {
 
 TEST_CASE("what its own cloud saw through has moved, and contradicts nothing") {
   const Eigen::Vector3f left(-2, 0, 0), right(2, 0, 0);
-  const PointCloud before = half_room(right), after = room(left);  // somebody stood in the way
+  const PointCloud before = half_room(right), after = room(left);  // a person stood in front of the sensor
   PointCloud both = before;
   for (std::size_t i = 0; i < after.size(); ++i) {
     both.push_back(after.point(i));
@@ -90,10 +90,11 @@ TEST_CASE("what is above all that the other cloud tells of its column does not c
     part.eyes.push_back(right);
   }
   CHECK(fit(tall, low).overlap > 0.95);
-  CHECK(fit(tall, low).least_overlap > 0.8);  // the rest is between the top of a cell and the wall's
-  // Where it tells nothing at all of a column it counts.
+  // The missing points are between the top of a cell and the top of the wall.
+  CHECK(fit(tall, low).least_overlap > 0.8);
+  // Points in columns where the other cloud has nothing count.
   CHECK(fit(room(left), half_room(right)).least_overlap < 0.75);
-  // Few points that are left over say little.
+  // The overlap is low where only few points are left to compare.
   CHECK(fit(beside, low).least_overlap < 0.3);
 }
 

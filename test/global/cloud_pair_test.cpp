@@ -29,8 +29,8 @@ TEST_CASE("a right pose is not left for another one that a dozen matches hold") 
   });
   REQUIRE(rows.size() > 20 * kDozen);
   REQUIRE((keypoint(rows[20 * kDozen]) - middle).norm() > 5);
-  // Only the dozen around `middle` match what is near them, turned by 0.3 rad: each of them looks more like
-  // ten points that are far off than like another of them.
+  // Only the dozen points around `middle` match points near them, turned by 0.3 rad: the descriptor of each
+  // is more similar to those of ten distant points than to another of the dozen.
   const auto count = static_cast<Eigen::Index>(rows.size()), dozen = static_cast<Eigen::Index>(kDozen);
   source.descriptors = target.descriptors = Descriptors::Zero(count, dozen + 2);
   source.descriptors.col(dozen).setConstant(30);

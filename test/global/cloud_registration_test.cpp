@@ -19,7 +19,7 @@ CloudRegistration registered(const PointCloud& source, const PointCloud& target)
   return register_raw_clouds(source, target, Eigen::Vector3d::UnitZ(), {}, {});
 }
 
-/// A tube of a square section along x, the same everywhere: every shift fits.
+/// A tube of square section along x: every shift along x fits.
 PointCloud corridor(unsigned sampling) {
   std::mt19937 rng(sampling);
   const auto uniform = [&](double low, double high) {
@@ -36,8 +36,8 @@ PointCloud corridor(unsigned sampling) {
   return cloud;
 }
 
-/// The same tube as the rings of a scanner see it: they go along with the sensor, so that two places look
-/// alike to the last point.
+/// The same tube as scanned in rings. The rings move with the sensor, so that scans from two positions are
+/// equal.
 PointCloud scanned_corridor(unsigned sampling) {
   std::mt19937 rng(sampling);
   const auto noise = [&] {
@@ -48,7 +48,7 @@ PointCloud scanned_corridor(unsigned sampling) {
     const float x = 0.2f * static_cast<float>(ring);
     for (int k = 0; k < 400; ++k) {
       const float a = static_cast<float>(k % 100) / 25 - 2;
-      const float sides[4][2] = {{a, -2}, {a, 2}, {-2, a}, {2 + 0.5f * a, a}};  // one wall leans
+      const float sides[4][2] = {{a, -2}, {a, 2}, {-2, a}, {2 + 0.5f * a, a}};  // one wall is inclined
       cloud.push_back(x + noise(), sides[k / 100][0] + noise(), sides[k / 100][1] + noise());
     }
   }
@@ -139,7 +139,7 @@ TEST_CASE("all places that look alike are proposed") {
   options.judged = false;
   options.tilt = 0.01;
   options.proposals = {level_pose(0.31, -70.2, 0.1, 0),
-                       level_pose(0.3, -35, 0, 0)};  // one nearly right, one wrong
+                       level_pose(0.3, -35, 0, 0)};  // one nearly correct, one wrong
   const CloudRegistration found =
       register_clouds(describe(seen, description), describe(map, description), options);
   REQUIRE(found.standing.size() == 1);
@@ -172,7 +172,7 @@ TEST_CASE(
 }
 
 TEST_CASE("what moved since says little against the right place, unless another one is nearly as good") {
-  // Five boards in a ring, which hide what is behind them.
+  // Five boards in a ring, which occlude the points behind them.
   const auto with_boards = [](const PointCloud& cloud, double turn) {
     PointCloud result;
     const auto bearing = [&](int board) { return turn + kPi / 2.5 * board; };

@@ -14,7 +14,7 @@ void add(PointCloud* cloud, const Eigen::Vector3f& p, float nz) {
   cloud->nz.push_back(nz);
 }
 
-/// A square of surface that looks up (1) or down (-1), or stands (0).
+/// Adds a square of surface whose normal points up (1) or down (-1), or is horizontal (0).
 void add_square(PointCloud* cloud, const Eigen::Vector3f& corner, float size, float nz) {
   for (float x = 0; x < size; x += 0.1f) {
     for (float y = 0; y < size; y += 0.1f) add(cloud, corner + Eigen::Vector3f(x, y, 0), nz);
@@ -28,7 +28,7 @@ TEST_CASE("a sensor's height is that above the floor, not above a table or below
   add_square(&room, {-4, -4, -1.3f}, 8, 1);
   add_square(&room, {-4, -4, 1.2f}, 8, -1);
   add_square(&room, {0.3f, -0.5f, -0.6f}, 0.8f, 1);  // a table
-  add_square(&room, {1, 1, -2.5f}, 1, 0);            // stands, below the floor: a shaft
+  add_square(&room, {1, 1, -2.5f}, 1, 0);            // upright surface below the floor: a shaft
   const std::optional<float> height = height_above_ground(room, 0.8f);
   REQUIRE(height);
   CHECK(*height == doctest::Approx(1.3f));
@@ -37,7 +37,7 @@ TEST_CASE("a sensor's height is that above the floor, not above a table or below
 TEST_CASE("a floor that begins some way off is the floor nevertheless") {
   PointCloud floor;
   add_square(&floor, {3, -2, -0.9f}, 4, 1);
-  add_square(&floor, {40, 0, -7}, 4, 1);  // down the hill
+  add_square(&floor, {40, 0, -7}, 4, 1);  // at the foot of a hill
   const std::optional<float> height = height_above_ground(floor, 0.8f);
   REQUIRE(height);
   CHECK(*height == doctest::Approx(0.9f));

@@ -30,7 +30,7 @@ TEST_CASE("the odds of a pose grow with overlap and lead, and fall with contradi
     if (contradiction > 0) CHECK(odds < last);
     last = odds;
   }
-  // What is seen in rooms that the map does not show, and in those that it does.
+  // Typical fits in rooms that the map does not show, and in rooms that it shows.
   CHECK(log_odds(fit_of(0.7, 0.02), {fit_of(0.65, 0.02)}) < 0);
   CHECK(log_odds(fit_of(0.85, 0.004), {fit_of(0.6, 0.02)}) > 5.3);
 }

@@ -18,14 +18,15 @@ struct Ball {
   double radius;
 };
 
-/// How many of `near` hold x, to rounding.
+/// The number of balls that contain x, up to rounding.
 int depth_at(const std::vector<Ball>& near, const Vector3d& x) {
   int count = 0;
   for (const Ball& ball : near) count += (x - ball.centre).norm() <= ball.radius * (1 + 1e-12) + 1e-13;
   return count;
 }
 
-/// Calls visit(x) for the lowest point of the circle in which two spheres meet, if they do and it is one.
+/// Calls visit(x) for the lowest point of the circle in which two spheres intersect, if there is such a
+/// circle.
 template <typename Visit>
 void circle_bottom(const Ball& a, const Ball& b, const Visit& visit) {
   const Vector3d d = b.centre - a.centre;
@@ -39,7 +40,7 @@ void circle_bottom(const Ball& a, const Ball& b, const Visit& visit) {
   visit(Vector3d(a.centre + h * axis + std::sqrt(square) * down.normalized()));
 }
 
-/// Calls visit(x) for the points that three spheres share.
+/// Calls visit(x) for the common points of three spheres.
 template <typename Visit>
 void corners(const Ball& a, const Ball& b, const Ball& c, const Visit& visit) {
   const Vector3d ab = b.centre - a.centre, ac = c.centre - a.centre;

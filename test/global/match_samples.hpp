@@ -11,7 +11,7 @@
 
 namespace scanlock {
 
-/// Radians.
+/// The angle between the rotations of two poses, radians.
 inline double angle_between(const Pose& a, const Pose& b) {
   return so3_log(a.linear().transpose() * b.linear()).norm();
 }
@@ -42,7 +42,7 @@ class MatchSampler {
     t.translation() = point(half_side);
     return t;
   }
-  /// `noise` is the length of each inlier's residual at most; with `exactly` it is that of all.
+  /// `noise`: the largest length of an inlier's residual, metres; with `exactly` the length of all of them.
   Matches matches(int count, int inliers, const Eigen::Isometry3d& truth, double half_side, double noise,
                   bool exactly = false) {
     Matches result;

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// The parts of the match set against their definitions, computed the slow way.
+// Tests of the parts of the match set against their definitions, computed directly.
 #include <doctest/doctest.h>
 
 #include <Eigen/Eigenvalues>
@@ -33,7 +33,7 @@ int bin(double value, double low, double high) {
   return std::clamp(static_cast<int>(std::floor(11 * (value - low) / (high - low))), 0, 10);
 }
 
-/// The histograms of one point, from the text of Rusu et al.
+/// The histograms of one point, by the text of Rusu et al.
 std::vector<double> simple_histogram(const PointCloud& cloud, std::size_t i, double radius) {
   std::vector<double> h(33, 0.0);
   int pairs = 0;
@@ -121,7 +121,7 @@ TEST_CASE("FPFH follows its definition") {
       for (int b = 0; b < 11 && sum > 0; ++b) {
         const double off = std::abs(found(static_cast<Eigen::Index>(k), 11 * part + b) -
                                     100 * expected[11 * part + b] / sum);
-        far_off += off > 0.01 ? 1 : 0;  // a pair on the border between bins may fall to either
+        far_off += off > 0.01 ? 1 : 0;  // a pair on the border between two bins may be counted in either
       }
     }
   }

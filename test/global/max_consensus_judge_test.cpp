@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// The solver against the judge, with and without pruning.
+// Tests of the solver against judged_consensus(), with and without pruning.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@
 namespace scanlock {
 namespace {
 
-/// More for a long night: the number of cases is multiplied by SCANLOCK_JUDGE_CASES.
+/// The number of cases, multiplied by SCANLOCK_JUDGE_CASES for a long run.
 int cases(int n) {
   const char* factor = std::getenv("SCANLOCK_JUDGE_CASES");
   return factor ? trials(n) * std::atoi(factor) : trials(n);
@@ -41,7 +41,7 @@ TEST_CASE("Random matches with up to 95 percent outliers") {
   for (int i = 0; i < cases(1000); ++i) {
     CAPTURE(i);
     MatchSampler sample(static_cast<unsigned>(i));
-    const int count = sample.integer(1, i % 10 == 0 ? 60 : 24);  // the judge is cubic
+    const int count = sample.integer(1, i % 10 == 0 ? 60 : 24);  // judged_consensus() takes cubic time
     const int inliers = static_cast<int>(std::ceil(count * sample.uniform(0.05, 1.0)));
     const double half_side = sample.uniform(0.5, 3), epsilon = sample.uniform(0.05, 0.3);
     check_against_judge(
@@ -75,7 +75,7 @@ TEST_CASE("Two matches that only just touch") {
     const double epsilon = sample.uniform(0.05, 0.3);
     const Eigen::Isometry3d truth = sample.pose(1);
     const Eigen::Vector3d p = sample.point(1), shift = 2 * epsilon * sample.direction();
-    // The same source point in both: whatever the rotation, their balls touch in one point.
+    // Both matches have the same source point: at every rotation their balls touch in one point.
     Matches matches = {{p, truth * p}, {p, truth * p + shift}};
     const int strangers = sample.integer(0, 4);
     for (int k = 0; k < strangers; ++k) matches.push_back({sample.point(1), sample.point(1)});

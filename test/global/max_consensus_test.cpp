@@ -111,7 +111,7 @@ TEST_CASE("Any axis of rotation") {
 TEST_CASE("Tilted clouds keep their inliers when the tilt is allowed for") {
   MatchSampler sample(6);
   const double tilt = 0.02;
-  int lost = 0;  // in how many cases a search without tolerance misses inliers
+  int lost = 0;  // cases in which a search without tolerance misses inliers
   for (int i = 0; i < 10; ++i) {
     const Pose truth = sample.pose(5);
     Matches matches = sample.matches(500, 60, truth, 15, 0.02);
@@ -130,7 +130,7 @@ TEST_CASE("Tilted clouds keep their inliers when the tilt is allowed for") {
     lost += stiff.consensus < 60;
     options.tilt = tilt;
     const MatchRegistration found = register_matches(matches, options);
-    CHECK(found.upper_bound >= 60);  // what the certificate promises
+    CHECK(found.upper_bound >= 60);  // guaranteed by the certificate
     CHECK(found.certified);
     CHECK(angle_between(found.target_from_source, truth) < 0.1);
   }

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// FPFH and ISS against the Point Cloud Library, where it is installed.
+// Tests of FPFH and ISS against the Point Cloud Library, where that is installed.
 #include <doctest/doctest.h>
 
 #ifdef SCANLOCK_TEST_PCL
@@ -41,7 +41,8 @@ TEST_CASE("FPFH equals that of the Point Cloud Library") {
   const float radius = 3;
   add_normals(&cloud, 1.5f);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (cloud.normal(i).norm() == 0) cloud.nz[i] = 1;  // of zeros the library makes numbers of its own
+    // The library returns other values for normals of zeros.
+    if (cloud.normal(i).norm() == 0) cloud.nz[i] = 1;
   }
   pcl::PointCloud<pcl::Normal>::Ptr normals(new pcl::PointCloud<pcl::Normal>);
   for (std::size_t i = 0; i < cloud.size(); ++i) normals->push_back({cloud.nx[i], cloud.ny[i], cloud.nz[i]});
@@ -65,8 +66,8 @@ TEST_CASE("FPFH equals that of the Point Cloud Library") {
       differ += off > 0.01f ? 1 : 0;
     }
   }
-  // A pair within rounding of a border falls to either bin, and shows in the descriptors of all its
-  // neighbours.
+  // A pair within rounding of the border between two bins may be counted in either, and changes the
+  // descriptors of all its neighbours.
   CHECK(cloud.size() > 3000);
   CHECK(static_cast<double>(differ) < 0.02 * kFpfhSize * static_cast<double>(cloud.size()));
   CHECK(largest < 5);
@@ -93,7 +94,7 @@ TEST_CASE("ISS keypoints are those of the Point Cloud Library") {
   std::vector<std::uint32_t> differ;
   std::set_symmetric_difference(ours.begin(), ours.end(), theirs.begin(), theirs.end(),
                                 std::back_inserter(differ));
-  // Ratios of eigenvalues at the threshold go either way.
+  // Ratios of eigenvalues at the threshold may be decided either way.
   CHECK(differ.size() * 100 <= theirs.size());
 }
 #else

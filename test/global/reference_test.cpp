@@ -1,6 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// The solver against the printed algorithms of the paper, test/reference, on some dozens of matches.
+// Tests of the solver against the printed algorithms of the paper (test/reference), on some dozens of
+// matches.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -27,7 +28,7 @@ TEST_CASE("Angle intervals are those of the printed algorithm 4") {
   int counts[3] = {};
   for (int i = 0; i < 5000; ++i) {
     Eigen::Vector3d p = sample.point(1), q = sample.point(1);
-    p.z() = q.z() = 0;  // the product takes the horizontal threshold
+    p.z() = q.z() = 0;  // the solver uses the horizontal threshold
     const double e = sample.uniform(0, 1.5), p_azimuth = std::atan2(p.y(), p.x()),
                  q_azimuth = std::atan2(q.y(), q.x());
     AngleInterval interval;
@@ -53,7 +54,7 @@ TEST_CASE("Stabbing is as deep as the printed algorithm 5") {
     AngleStabber stabber;
     std::vector<reference::Interval> printed;
     for (int k = sample.integer(1, 30); k > 0; --k) {
-      // Multiples of a 64th of a turn are exact enough to touch.
+      // Multiples of a 64th of a turn, so that ends of intervals coincide.
       const double unit = i % 2 == 0 ? 1 : 2 * kPi / 64;
       const double start = i % 2 == 0 ? sample.uniform(0, 6.28) : unit * sample.integer(0, 63);
       const double width = i % 2 == 0 ? sample.uniform(0, 3) : unit * sample.integer(0, 20);
@@ -65,7 +66,8 @@ TEST_CASE("Stabbing is as deep as the printed algorithm 5") {
   }
 }
 
-/// Many right matches, or few or none of them among many that nearly fit by chance: there the bounds decide.
+/// Many correct matches, or few or none among many that nearly fit by chance, where the result depends on the
+/// bounds.
 Matches matches_of(MatchSampler& sample, int i, double epsilon) {
   const int count = sample.integer(8, 32),
             inliers = i % 2 == 0 ? sample.integer(6, 12) : sample.integer(0, 4);
@@ -93,7 +95,8 @@ TEST_CASE("The consensus is that of the printed algorithms 1 and 2") {
       const MatchRegistration found = register_matches(matches, options);
       CHECK(found.consensus == expected.count);
       CHECK(found.certified);
-      // Lemmas 2 and 3: what the pose holds is left by the printed pruning, whose bounds allow it.
+      // Lemmas 2 and 3: the printed pruning keeps all inliers of the pose, and their bounds are at least its
+      // consensus.
       for (const std::uint32_t k : found.inliers) {
         CHECK(contains(pruned.matches, matches[k]));
         CHECK(pruned.bounds[k] >= found.consensus);

@@ -11,8 +11,8 @@
 
 namespace scanlock {
 
-/// A yard: ground, boxes of all sizes and some poles, seen from (0, 0, 2). What stands where follows from
-/// `seed`, which points are on it from `sampling`.
+/// A yard: ground, boxes of all sizes and some poles, seen from (0, 0, 2). `seed` determines the objects,
+/// `sampling` the points on them.
 inline PointCloud yard(unsigned seed, unsigned sampling) {
   std::mt19937 place(seed), sample(sampling);
   const auto uniform = [](std::mt19937& rng, double low, double high) {
@@ -37,7 +37,7 @@ inline PointCloud yard(unsigned seed, unsigned sampling) {
   return cloud;
 }
 
-/// A vaulted tunnel along x, as a scanner of 16 beams sees it from anywhere in it.
+/// A vaulted tunnel along x as scanned by 16 beams; the scan is the same from every position in it.
 inline PointCloud scanned_tunnel(unsigned sampling) {
   std::mt19937 rng(sampling);
   std::normal_distribution<double> noise(0, 0.01);

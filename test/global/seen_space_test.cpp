@@ -10,7 +10,7 @@ namespace {
 const Eigen::Vector3f kAlongX = Eigen::Vector3f::UnitX(), kAlongY = Eigen::Vector3f::UnitY();
 const Eigen::Vector3f kNoNormal = Eigen::Vector3f::Zero();
 
-/// Across the x axis at 10 m, 4 m wide and 6 m high.
+/// A wall across the x axis at 10 m, 4 m wide and 6 m high.
 PointCloud wall() {
   PointCloud cloud;
   for (int y = -4; y <= 4; ++y) {
@@ -41,13 +41,13 @@ TEST_CASE("what a ray went through is crossed, but for what it grazed") {
 }
 
 TEST_CASE("above is what is higher than the points and rays of a column that is known") {
-  const SeenSpace space(wall(), 0.5f);  // 10 m off, 3 m up and down
+  const SeenSpace space(wall(), 0.5f);  // at 10 m, from 3 m below the sensor to 3 m above it
   CHECK(space.is_above({10, 0, 5}));
   CHECK_FALSE(space.is_above({10, 0, 2}));
   CHECK_FALSE(space.is_above({10, 0, -5}));
-  CHECK(space.is_above({5, 0, 3}));  // rays went there, but not so high
+  CHECK(space.is_above({5, 0, 3}));  // rays pass there, but lower
   CHECK_FALSE(space.is_above({5, 0, 1}));
-  CHECK_FALSE(space.is_above({5, 5, 3}));   // no ray, no point
+  CHECK_FALSE(space.is_above({5, 5, 3}));   // neither a ray nor a point
   CHECK_FALSE(space.is_above({12, 0, 5}));  // behind the wall
   CHECK_FALSE(space.is_above({1e6f, 0, 5}));
   CHECK_FALSE(SeenSpace(PointCloud{}, 0.5f).is_above({0, 0, 9}));
@@ -62,7 +62,7 @@ TEST_CASE("rays start where each point was seen from") {
 }
 
 TEST_CASE("rays that skim over the ground do not contradict it") {
-  PointCloud ground;  // rings of it, 1 m below the sensor
+  PointCloud ground;  // in rings, 1 m below the sensor
   for (int i = 0; i < 3600; ++i) {
     const float angle = 0.00174533f * static_cast<float>(i), range = i % 2 == 0 ? 6.0f : 14.0f;
     ground.push_back(range * std::cos(angle), range * std::sin(angle), -1);
@@ -71,7 +71,7 @@ TEST_CASE("rays that skim over the ground do not contradict it") {
   ground.nz.assign(ground.size(), 1.0f);
   const SeenSpace space(ground, 0.3f);
   CHECK_FALSE(space.is_crossed({10, 0, -1}, kNoNormal));
-  CHECK_FALSE(space.has_surface({6, 0, -1}));  // level
+  CHECK_FALSE(space.has_surface({6, 0, -1}));  // a level surface
 }
 
 TEST_CASE("a point at the end of the world takes no more cells") {

@@ -138,7 +138,8 @@ TEST_CASE("a sensor of another height is looked for on every floor, where nobody
     CAPTURE(storey);
     Pose truth = Pose::Identity();
     truth.linear() = so3_exp(Eigen::Vector3d(0, 0, 0.6));
-    truth.translation() = floor + Eigen::Vector3d(1.6, -2.4, 0.5 + storey);  // low, and 2.9 m from the eye
+    // Low above its floor, and 2.9 m from the eye.
+    truth.translation() = floor + Eigen::Vector3d(1.6, -2.4, 0.5 + storey);
     const PointCloud source = moved(corner(), truth.inverse());
     PointCloud with_floor = moved(target, truth.inverse());
     const std::vector<Pose> poses = poses_of(with_floor, target);
@@ -147,7 +148,7 @@ TEST_CASE("a sensor of another height is looked for on every floor, where nobody
              std::abs(pose.translation().z() - truth.translation().z()) < 1e-3;
     };
     CHECK(std::any_of(poses.begin(), poses.end(), is_there));
-    // Without a floor it is looked for as high as others stood.
+    // Without a floor in the source the heights of the map's sensors are used.
     const std::vector<Pose> without = poses_of(source, target);
     CHECK(std::none_of(without.begin(), without.end(), is_there));
     CHECK(!without.empty());
@@ -167,7 +168,7 @@ TEST_CASE("clouds without steep surfaces or eyes give no guesses") {
 
 TEST_CASE("of a body that stood in many ways no more poses are looked at") {
   PointCloud target = corner();
-  for (int k = 0; k < 4000; ++k) {  // seen from everywhere
+  for (int k = 0; k < 4000; ++k) {  // visible from all positions
     target.push_back({5, 0, 1});
     target.nx.push_back(-1);
     target.ny.push_back(0);

@@ -14,7 +14,7 @@ using namespace scanlock;
 
 namespace {
 
-/// Numbers the same on every machine.
+/// Random numbers that are the same on every machine.
 class Numbers {
  public:
   explicit Numbers(unsigned seed) : rng_(seed) {}
@@ -26,8 +26,8 @@ class Numbers {
   std::mt19937 rng_;
 };
 
-/// Three walls about the sensor. A point of a wall is matched to one up to a metre off on the same wall, more
-/// often to one side than to the other.
+/// Three walls about the sensor. Each point of a wall is matched to a point up to a metre away on the same
+/// wall, more often to one side than to the other.
 std::vector<SurfaceMatch> matches_of_walls(const Pose& truth) {
   Numbers number(3);
   std::vector<SurfaceMatch> matches;
@@ -56,7 +56,7 @@ TEST_CASE("matches that slide along walls give the pose at which the walls meet"
   const Pose truth = level_pose(0.8, 1, -2, 0.3);
   const std::vector<SurfaceMatch> matches = matches_of_walls(truth);
   const Eigen::Vector3d centre(1, 2, 1);
-  CHECK_FALSE(near(fit_of_points(matches), truth, 0.1, 0.01));  // the points alone lead astray
+  CHECK_FALSE(near(fit_of_points(matches), truth, 0.1, 0.01));  // a fit of the points alone is biased
   const Pose start = level_pose(0.8 + 0.02, 1.3, -2.2, 0.3);
   const Pose found = fit_surfaces(matches, start, centre, 0.3);
   CHECK((found.translation() - truth.translation()).head<2>().norm() < 0.02);
@@ -72,11 +72,11 @@ TEST_CASE("where surfaces have no direction all of an offset counts") {
     const Eigen::Vector3d q(number(-9, 9), number(-9, 9), number(0, 3));
     const Eigen::Vector3d noise(number(-0.1, 0.1), number(-0.1, 0.1), number(-0.1, 0.1));
     const double bearing = number(-3, 3);
-    const Eigen::Vector3d normal(std::cos(bearing), std::sin(bearing), 0);  // vertical surfaces all
+    const Eigen::Vector3d normal(std::cos(bearing), std::sin(bearing), 0);  // vertical surfaces only
     matches.push_back({truth.inverse() * (q + noise), q, truth.linear().transpose() * normal, normal});
   }
   const Pose found = fit_surfaces(matches, level_pose(-0.98, 3.1, 0.9, 0.1), Eigen::Vector3d::Zero(), 0.3);
-  CHECK(near(found, truth, 0.03, 0.002));  // the height, too
+  CHECK(near(found, truth, 0.03, 0.002));  // the height is found, too
 }
 
 TEST_CASE("the axis of the target is kept, and too few matches leave the pose alone") {

@@ -148,7 +148,7 @@ TEST_CASE("threads do not change a bit of the result") {
 }
 
 TEST_CASE("nu follows the rules of the paper, and can be fixed") {
-  PointCloud grid;  // spacing 0.1: a point has four neighbours at 0.1, the next at 0.1414
+  PointCloud grid;  // spacing 0.1: a point has four neighbours at 0.1, and the next ones at 0.1414
   for (int i = 0; i < 60; ++i) {
     for (int j = 0; j < 60; ++j)
       grid.push_back(0.1f * static_cast<float>(i), 0.1f * static_cast<float>(j), 0);
@@ -164,7 +164,8 @@ TEST_CASE("nu follows the rules of the paper, and can be fixed") {
   PointCloud aside = grid;
   for (float& x : aside.x) x += 0.02f;
   const CloudAlignment planes = align(aside, target, "robust-icp-plane");
-  CHECK(planes.nu_max == doctest::Approx(3 * 0.02).epsilon(1e-3));  // by distances to points here, too
+  // From point-to-point distances also for planes.
+  CHECK(planes.nu_max == doctest::Approx(3 * 0.02).epsilon(1e-3));
   CHECK(planes.nu_min == doctest::Approx(target.plane_nu_min()));
   CloudAlignmentOptions options;
   options.nu_max = 0.5;
@@ -176,8 +177,8 @@ TEST_CASE("nu follows the rules of the paper, and can be fixed") {
 }
 
 TEST_CASE("the step of each energy is half of Newton's direction downhill") {
-  // The gradient that plane_step uses, against the numeric derivative of the energy: with the pairs as they
-  // are, the derivative of the robust energy along the step is negative, and it vanishes at the minimum.
+  // The gradient of plane_step against the numeric derivative of the energy: with fixed pairs, the derivative
+  // of the robust energy along the step is negative, and it vanishes at the minimum.
   Random random(8);
   const PointCloud cloud = room(random, 3000, 0.01), other = room(random, 3000, 0.01);
   const CloudTarget target = ready(cloud);
@@ -203,7 +204,7 @@ TEST_CASE("names of methods") {
 
 namespace {
 
-/// What a sensor with 24 beams at `eye` sees of a hall 30 m by 20 m, 1.8 m above its floor: rings.
+/// The scan, in rings, of a sensor with 24 beams at `eye`, 1.8 m above the floor of a hall of 30 m by 20 m.
 PointCloud rings(const Eigen::Vector3d& eye) {
   PointCloud cloud;
   for (int beam = 0; beam < 24; ++beam) {

@@ -13,7 +13,7 @@ using namespace scanlock;
 using namespace scanlock::test;
 
 TEST_CASE("a chain composes the motions of its links") {
-  // Steps of half a metre: too far for identity as the guess of the second, so the motion is carried on.
+  // The second step is too far from the identity as its guess: the chain has to extrapolate the motion.
   CloudChain chain(*find_cloud_method("robust-icp-plane"), {}, 0.0);
   for (int i = 0; i < 5; ++i) {
     Random random(static_cast<unsigned>(i));

@@ -42,7 +42,7 @@ TEST_CASE("the normalised error squared is that of six degrees of freedom over m
       CAPTURE(setting.points);
       CAPTURE(setting.noise);
       INFO("NEES " << nees << " of 6");
-      // Neither over-confident by more than a factor of two in variance, nor useless.
+      // The variance is at most a factor of two too small, and not uselessly large.
       CHECK(nees > 1.0);
       CHECK(nees < 12.0);
     }
@@ -50,7 +50,7 @@ TEST_CASE("the normalised error squared is that of six degrees of freedom over m
 }
 
 TEST_CASE("errors that neighbours share are no independent errors" * doctest::test_suite("many trials")) {
-  // Each cell of half a metre of each cloud is off along its normals as a whole.
+  // All points of a cell of half a metre have a common error along their normals, in each cloud.
   const Pose truth = motion({0.03, -0.02, 0.01}, {0.004, -0.003, 0.01});
   const auto warped = [](unsigned seed) {
     Random random(seed);
@@ -69,7 +69,7 @@ TEST_CASE("errors that neighbours share are no independent errors" * doctest::te
     return cloud;
   };
   CloudAlignmentOptions options;
-  options.nu_min = 0.03;  // above what the surfaces are off by
+  options.nu_min = 0.03;  // above the errors of the surfaces
   for (const std::string method : {"icp-plane", "robust-icp-plane"}) {
     double sum = 0;
     const int count = trials(20);
@@ -90,7 +90,7 @@ TEST_CASE("errors that neighbours share are no independent errors" * doctest::te
 }
 
 TEST_CASE("the covariance follows the frame of the source") {
-  // The same clouds with the source's frame elsewhere: the same motion of the body, seen from there.
+  // The same clouds with another frame of the source: the same motion, in that frame.
   Random random(9);
   const PointCloud cloud = room(random, 2000, 0.01), other = room(random, 2000, 0.01);
   CloudTarget target(cloud);

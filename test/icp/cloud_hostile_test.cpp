@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Clouds that nobody should align, and somebody will.
+// Tests of clouds that are unsuitable for an alignment.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ using namespace scanlock::test;
 
 namespace {
 
-/// Runs every method; the result must be a rigid transform, whatever else it says.
+/// Runs every method and checks that the result is a rigid transform; then calls `check`.
 template <typename Check>
 void with_every_method(const PointCloud& source, const PointCloud& cloud, const Check& check) {
   CloudTarget target(cloud);
@@ -124,7 +124,7 @@ TEST_CASE("normals that are zero or not unit are mended") {
 
 TEST_CASE("far from the origin the alignment is as good as the floats of the cloud") {
   Random random(5);
-  // At 1e7 m a float steps by a metre: a scene of that scale, to be found to a few of its steps.
+  // At 1e7 m the resolution of a float is 1 m: a scene of that scale, to be aligned to a few metres.
   const PointCloud small = room(random, 3000);
   PointCloud far, source;
   for (std::size_t i = 0; i < small.size(); ++i) {
@@ -149,7 +149,7 @@ TEST_CASE("clouds that share nothing are no NaN") {
 TEST_CASE("clouds that never lay over each other fit badly, and say so") {
   Random random(7);
   const PointCloud target = room(random, 2000);
-  PointCloud source;  // a ball of ten metres far away
+  PointCloud source;  // a distant ball of ten metres
   for (int i = 0; i < 2000; ++i)
     source.push_back(Eigen::Vector3f((10.0 * random.vector().normalized()).cast<float>()) +
                      Eigen::Vector3f(1e3f, 0, 0));

@@ -22,7 +22,7 @@ struct Random {
 };
 
 /// A room of 8 x 6 x 3 m with a box and a slanted board in it, sampled at random, with normals; `noise`:
-/// metres, along the normals. Nothing in it is symmetric.
+/// metres, along the normals. The room has no symmetry.
 inline PointCloud room(Random& random, std::size_t n, double noise = 0) {
   struct Patch {
     Eigen::Vector3d corner, a, b;

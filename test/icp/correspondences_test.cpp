@@ -28,7 +28,7 @@ PointCloud walls(Random& random, std::size_t n) {
   return cloud;
 }
 
-/// Distance to the answer, so that two points at one and the same distance count as one answer.
+/// The squared distance of the answer, so that two points at equal distances count as the same answer.
 float distance_to(const PointCloud& target, std::int32_t index, const Eigen::Vector3f& p) {
   const Eigen::Vector3f d = target.point(static_cast<std::size_t>(index)) - p;
   return d.x() * d.x() + d.y() * d.y() + d.z() * d.z();
@@ -49,7 +49,7 @@ TEST_CASE("saved searches answer as a search of every point at every update does
     for (int update = 0; update < 40; ++update) {
       Vector6 step;
       step << random.vector(), random.vector();
-      // Large steps first, then small ones; sometimes none at all.
+      // Large steps first, then small ones; in every seventh update none.
       pose = se3_exp((update % 7 == 0 ? 0.0 : 0.3 * std::pow(0.8, update)) * step) * pose;
       const float gates[] = {0.2f, 1.0f, 100.0f, 0.5f};
       const float gate = gates[(update / 5) % 4];
@@ -68,7 +68,7 @@ TEST_CASE("saved searches answer as a search of every point at every update does
         const Eigen::Vector3f p(x[i], y[i], z[i]);
         Neighbour plain;
         const bool near = tree.k_nearest(p, 1, &plain, gate) == 1;
-        // Within the gate all three name a point at the same, smallest distance.
+        // Within the gate all three return a point at the smallest distance.
         for (const Correspondences* answers : {&kept, &fresh}) {
           const std::int32_t index = answers->indices()[i];
           if (near) {

@@ -23,11 +23,11 @@ Matrix6 add(Matrix6 information, const Eigen::Vector3d& p, const Eigen::Vector3d
 
 struct Scene {
   Matrix6 information = Matrix6::Zero();
-  Matrix6 noise = Matrix6::Zero();  ///< the part of it that errors of the normals make, as expected
+  Matrix6 noise = Matrix6::Zero();  ///< the expected part of it from errors of the normals
 };
 
-/// A pipe along x about the sensor, its normals off along it by `noise` (radians); of its surface, the share
-/// `ribs` looks along it.
+/// A pipe along x around the sensor, whose normals have errors of `noise` (radians) along x; the share `ribs`
+/// of its surface has normals along x.
 Scene pipe(double noise, double ribs = 0) {
   std::mt19937 rng(3);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -43,8 +43,8 @@ Scene pipe(double noise, double ribs = 0) {
   return scene;
 }
 
-/// The axes in which a scan says less of a pose than the prediction did, by what of it is real; a residual is
-/// off by 3 cm, and ten share an error.
+/// The axes along which a scan determines the pose less well than the prediction, without the part of its
+/// information that comes from errors of the normals; residuals have an error of 3 cm that ten of them share.
 std::uint32_t open(const Scene& scene, const Matrix6& predicted = Matrix6::Identity() * 0.05 * 0.05) {
   const double variance = 10 * 0.03 * 0.03;
   const Matrix6 information = scene.information / variance;
@@ -75,11 +75,12 @@ TEST_CASE("a room leaves nothing open") {
 TEST_CASE("a pipe leaves the way along it open, and that alone, however its normals are off") {
   for (const double noise : {0.0, 0.01, 0.03, 0.1}) {
     CAPTURE(noise);
-    // About its axis a pipe turns unseen, too.
+    // The rotation about the pipe's axis is open, too.
     CHECK(open(pipe(noise)) == 0b001001);
   }
-  CHECK((open(pipe(0.03, 0.05)) & 1u) == 0);  // ribs
-  Scene rough = pipe(0.1);                    // taken at its word it is observed
+  CHECK((open(pipe(0.03, 0.05)) & 1u) == 0);  // with ribs
+  // If no errors of the normals are assumed, the direction counts as observed.
+  Scene rough = pipe(0.1);
   rough.noise.setZero();
   CHECK((open(rough) & 1u) == 0);
 }
@@ -91,6 +92,6 @@ TEST_CASE("what a scan says is measured by what was known before") {
     predicted(0, 0) = metres * metres;
     return open(ribbed, predicted) & 1u;
   };
-  CHECK(along(0.001) == 1u);  // twenty points of a few centimetres do not tell millimetres
+  CHECK(along(0.001) == 1u);  // twenty points with errors of centimetres do not determine millimetres
   CHECK(along(1.0) == 0u);
 }

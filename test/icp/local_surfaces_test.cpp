@@ -14,7 +14,7 @@ using namespace scanlock;
 
 namespace {
 
-/// The half of a trunk that faces the sensor at the origin, in rings.
+/// The half of a trunk that faces the sensor at the origin, scanned in rings.
 PointCloud trunk(double radius, double ring_spacing, bool upright) {
   PointCloud cloud;
   for (int ring = -4; ring <= 4; ++ring) {
@@ -67,7 +67,7 @@ TEST_CASE("a few points that stand alone are a post, as thick as they are apart"
     CHECK(post.centre.head<2>().isApprox(Eigen::Vector2f(20, 0.05f), 1e-4f));
     CHECK(post.scale == doctest::Approx(0.05 / std::hypot(0.0408, 2 * 0.125 / 3.4641)).epsilon(0.01));
   }
-  add(20, 1.8f, 0);  // beside it
+  add(20, 1.8f, 0);  // beside the trunk
   cloud.alone.assign(cloud.size(), 1);
   CHECK(surface_at(cloud, 0, 2).weight == 0);
   cloud.y.back() = 0.9f;  // a bush
@@ -134,7 +134,7 @@ TEST_CASE("a plane says as much less of where it is as it is thicker than 0.05 m
 }
 
 TEST_CASE("a floor is one where the rings on it are farther apart than neighbours are looked for") {
-  // Beams of 16, 2 degrees apart, from 1.2 m above the floor: rings on it at 4.5, 5.2 and 6.2 m.
+  // Some of 16 beams, 2 degrees apart, 1.2 m above the floor: their rings on it are at 4.5, 5.2 and 6.2 m.
   std::mt19937 rng(3);
   std::normal_distribution<float> noise(0, 0.01f);
   const auto ring = [&](PointCloud* cloud, float radius, float height) {
@@ -150,7 +150,7 @@ TEST_CASE("a floor is one where the rings on it are farther apart than neighbour
   CHECK(of_rings.weight > 0.3f);
   CHECK(std::abs(of_rings.normal.z()) > 0.998f);
 
-  // Nor do the last ring on the floor and those on a wall behind it make a plane between them.
+  // The last ring on the floor and the rings on a wall behind it do not form a plane either.
   PointCloud edge;
   ring(&edge, 4.5f, -1.2f);
   for (const float elevation : {-13.0f, -11.0f, -9.0f, -7.0f, -5.0f}) {
@@ -162,7 +162,7 @@ TEST_CASE("a floor is one where the rings on it are farther apart than neighbour
 }
 
 TEST_CASE("a plane seen edge-on hardly counts") {
-  PointCloud fan;  // clutter of some depth, crossed by one beam that sweeps at the height of the sensor
+  PointCloud fan;  // clutter of some depth, crossed by one beam at the height of the sensor
   for (int i = 0; i < 100; ++i)
     fan.push_back(20 + 0.1f * static_cast<float>((7 * i) % 10), 0.1f * static_cast<float>(i / 10), 0.0f);
   KdForest tree;
@@ -220,7 +220,7 @@ TEST_CASE("what a planar sensor sees of a wall is an upright plane, and a heap i
 }
 
 TEST_CASE("the tilt of a plane is what its normals scatter by") {
-  // Ranges that are off by 3 cm, on a floor seen in rows: its normals are known worse across them.
+  // Errors of 3 cm on a floor seen in narrow rows: its normals are known less well across the rows.
   std::mt19937 rng(5);
   std::normal_distribution<double> noise(0, 0.03);
   std::uniform_real_distribution<double> uniform(-1, 1);

@@ -1,7 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// Appendix D of the paper, with its slips corrected in test/reference: the derivatives of the point-to-plane
-// residual by the element of se(3), against numeric ones, element by element.
+// Tests of appendix D of the paper, with its errors corrected in test/reference: the derivatives of the
+// point-to-plane residual by the element of se(3) against numeric ones, element by element.
 #include "../reference/plane_jacobian.hpp"
 
 #include <doctest/doctest.h>
@@ -67,7 +67,7 @@ TEST_CASE("the step's own derivative [n; p x n] is that of appendix D at delta =
 }
 
 TEST_CASE("the plane step solves the normal equations of numeric derivatives") {
-  // With the pairs and weights as they are, the step is the Gauss-Newton step of their residuals.
+  // With fixed pairs and weights the step is the Gauss-Newton step of their residuals.
   Random random(3);
   const PointCloud cloud = room(random, 2000, 0.01);
   CloudTarget target(cloud);

@@ -1,6 +1,7 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// The solver against the printed algorithms of the paper, test/reference, on clouds of some dozens of points.
+// Tests of the solver against the printed algorithms of the paper (test/reference), on clouds of some dozens
+// of points.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -31,12 +32,12 @@ reference::Points normals_of(const PointCloud& cloud) {
   return normals;
 }
 
-/// A noisy part of a room somewhere else with some clutter, and the room, about their centres; the same in
+/// A noisy part of a room in another frame with some clutter, and the room, relative to their centres; in
 /// floats and in doubles.
 struct SmallCase {
   CentredCloud source;
   CloudTarget target;
-  Pose start;  // between the centred frames, as all poses here
+  Pose start;  // between the centred frames, as are all poses here
   reference::Points p, q, n;
 
   static PointCloud part_of(const PointCloud& room, Random& random) {
@@ -54,7 +55,7 @@ struct SmallCase {
     n = normals_of(target.points());
   }
 
-  /// The product on what the reference is given: every pair, the same nu, down to rounding.
+  /// The solver on the input of the reference: every pair, the same nu, down to rounding.
   DescentResult solve(IcpObjective objective, const reference::RobustIcpOptions& options, Pose* pose) const {
     CloudProblem problem(source.points, target, {objective, MotionCoordinates::kLieAlgebra, true, 1});
     const double gate = open_gate(source, target, start);
@@ -86,8 +87,9 @@ SmallCase small_case(unsigned seed) {
   return SmallCase(cloud, random);
 }
 
-// The product's coordinates are floats: at 4 m they err by 2e-7 m, which moves an energy of some 8 by about
-// 1e-5. With 20 inliers at nu = 0.03 m its second derivative is 20 / nu^2, so its minimum moves by 3e-5 m.
+// The solver's coordinates are floats: at 4 m they have errors of 2e-7 m, which change an energy of some 8 by
+// about 1e-5. With 20 inliers at nu = 0.03 m its second derivative is 20 / nu^2, so its minimum moves by 3e-5
+// m.
 constexpr double kRounding = 1e-5, kMetres = 1e-4, kRadians = 4e-5;
 
 void check_same(const Pose& found, const Pose& expected) {
@@ -162,7 +164,8 @@ TEST_CASE("one step of either objective is the printed alignment step") {
     const Pose point = reference::alignment(
         it.p, reference::selected(it.q, reference::correspondence(it.p, it.q, it.start)), it.start, nu);
     CHECK((step(IcpObjective::kPoint).matrix() - point.matrix()).norm() < 1e-5);
-    // The product takes its plane step about the pose where it is: the printed one there is that at T = 0.
+    // The solver takes its plane step about the current pose: it equals the printed step at T = 0 for moved
+    // points.
     it.p = it.start * it.p;
     const Vector6 plane = reference::g_ppl(it.p, it.q, it.n, Vector6::Zero(), nu);
     const Pose expected = se3_exp(plane) * it.start;

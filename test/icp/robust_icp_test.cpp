@@ -71,7 +71,8 @@ TEST_CASE("the energy of the state that is returned never rises with more iterat
 }
 
 TEST_CASE("a step that raises the energy is gone on from, as far as patience goes") {
-  // On the way down, as where points change their correspondences, one state has more energy than the start.
+  // As where points change their correspondences, one state on the path to the minimum has more energy than
+  // the start.
   struct Ridge final : DescentProblem {
     double x = 0;
     double evaluate(const StateVector& at) override {
@@ -98,7 +99,7 @@ TEST_CASE("a step that raises the energy is gone on from, as far as patience goe
 TEST_CASE("the line search shortens a step that overshoots") {
   Valley with, without;
   with.rate = without.rate = 1e-2;
-  CHECK(solve(without, 0, 100, 0).energy == 4);  // that of the start
+  CHECK(solve(without, 0, 100, 0).energy == 4);  // the energy of the start
   const DescentResult found = solve(with, 0, 100);
   CHECK(found.iterations > 10);
   CHECK(found.energy < 4);

@@ -60,7 +60,7 @@ TEST_CASE("a thin wall that was seen from its other side alone does not pull a s
   const auto add_wall = [&](PointCloud& cloud, float x, int points) {
     for (int i = 0; i < points; ++i) cloud.push_back(x + noise(random), across(random), up(random));
   };
-  const auto room = [&](int density) {  // its floor, two walls along x, and one across far ahead
+  const auto room = [&](int density) {  // a floor, two walls along x, and one wall across far ahead
     PointCloud cloud;
     for (int i = 0; i < density; ++i) {
       cloud.push_back(across(random), across(random), -1 + noise(random));
@@ -85,7 +85,7 @@ TEST_CASE("a thin wall that was seen from its other side alone does not pull a s
     return ScanAligner().align(scan, target, weak_prior(), {}).moving.pose.translation().x();
   };
   CHECK(std::abs(x_with_wall_seen_from(-6)) < 0.01);
-  CHECK(x_with_wall_seen_from(0) < -0.08);  // one that has moved
+  CHECK(x_with_wall_seen_from(0) < -0.08);  // a wall that has moved
 }
 
 TEST_CASE("the variance of a scan's acceleration is that of the best parabola through a way of white noise") {
@@ -157,7 +157,7 @@ TEST_CASE("the acceleration within a sweep is solved from one scan where a body 
     const ScanAlignment steady = ScanAligner().align(points, hall.target(), weak_prior(), options);
     CHECK(steady.moving.acceleration.norm() < 1e-3);
     CHECK(se3_log(se3_exp(start).inverse() * steady.moving.pose).norm() > 2 * off);
-    // What is not known of the acceleration is known less of the pose.
+    // The uncertainty of the acceleration increases that of the pose.
     const Matrix6 with = inverse(found.information).topLeftCorner<6, 6>(),
                   without = inverse(steady.information).topLeftCorner<6, 6>();
     for (int k = 0; k < 6; ++k) CHECK(with(k, k) > 1.05 * without(k, k));
@@ -202,7 +202,8 @@ TEST_CASE("along a smooth pipe the information is the noise that was expected") 
 TEST_CASE(
     "the scatter over patches is the variance of the alignment where points of a patch share an error") {
   Hall hall;
-  const double patch = 4.0, shared = 0.02, own = 0.01;  // metres; the errors along the ray of a point
+  // Metres; `shared` and `own`: errors of a point along its ray.
+  const double patch = 4.0, shared = 0.02, own = 0.01;
   ScanAlignmentOptions options;
   options.nu_min = 0.1;
   options.patch = patch;
@@ -243,7 +244,8 @@ TEST_CASE(
     CAPTURE(axis);
     CHECK(predicted[axis] > 0.4 * sum[axis]);
     CHECK(predicted[axis] < 2.5 * sum[axis]);
-    if (axis < 3) CHECK(independent[axis] < 0.5 * sum[axis]);  // what no patches would have said
+    // The variance by independent errors of points is too small.
+    if (axis < 3) CHECK(independent[axis] < 0.5 * sum[axis]);
   }
 }
 

@@ -137,7 +137,7 @@ TEST_CASE("cloud errors name the file and the place and what is wrong") {
   CHECK(contains(message("a.ply", std::string("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
                                               "property float z\nend_header\n1 2\n")),
                  "a.ply:6: the element vertex has no property 'y'"));
-  CHECK(contains(message("a.ply", ascii_ply() + "garbage"), "no error"));  // behind the vertices
+  CHECK(contains(message("a.ply", ascii_ply() + "garbage"), "no error"));  // after the vertices
   std::string ply = ascii_ply();
   ply.replace(ply.find("5.5"), 3, "5,5");
   CHECK(contains(message("a.ply", ply), "a.ply:13: the line has 4 numbers"));
@@ -171,7 +171,7 @@ TEST_CASE("a file of many points is handed on in parts, in its order") {
   TemporaryDirectory directory;
   PointCloud cloud;
   for (std::size_t i = 0; i < 2 * kPartPoints + 5; ++i) {
-    const auto v = static_cast<float>(i);  // exact
+    const auto v = static_cast<float>(i);  // exact in float
     cloud.push_back(v, v + 1, v + 2);
     cloud.intensity.push_back(v + 3);
   }

@@ -91,7 +91,8 @@ inline std::string ascii_pcd() {
   return std::string(kPcdHeader) + "ascii\n65535 0 0 0 2 1 3 99\n7 0 0 0 5.5 -4 600 99\n";
 }
 
-/// Field after field; the padding is one literal byte and a copy that overlaps itself, the rest is literal.
+/// Field after field; the padding is one literal byte and a copy that overlaps itself, the other bytes are
+/// literal.
 inline Bytes compressed_pcd() {
   ByteBuilder data;
   data.put<std::uint8_t>(4).put<std::uint16_t>(65535).put<std::uint16_t>(7).text("a");  // a run of five

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As on a full disk: while it lives no file of this process grows beyond so many bytes.
+/// Simulates a full disk: during its lifetime no file of this process grows beyond `bytes`.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t bytes) {
@@ -41,7 +41,7 @@ class FullDisk {
   sighandler_t handler_;
 };
 
-/// As a user to whom root's files are barred, where this is root.
+/// Where the user is root, acts as a user without access to root's files.
 class Unprivileged {
  public:
   Unprivileged() {
@@ -76,7 +76,8 @@ TEST_CASE("a file that cannot be written to its end keeps what it held, and leav
   CHECK(file_bytes(old).size() == 8);
   {
     const FullDisk full(5000);
-    const std::string relative = fs::relative(old).string();  // a person knows it by the name that he gave
+    // The error must have the name that the caller gave.
+    const std::string relative = fs::relative(old).string();
     CHECK_THROWS_WITH(write_file_bytes(relative, large),
                       (relative + ": cannot be written: File too large").c_str());
   }

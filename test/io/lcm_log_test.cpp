@@ -114,7 +114,7 @@ TEST_CASE("damage in the middle of a log costs the damaged event only") {
     CHECK(read_all(path).events.size() == 3);
     Bytes inserted = bytes;
     inserted.insert(inserted.begin() + kStart[2], 300000,
-                    0x55);  // more than the reader looks at in one piece
+                    0x55);  // more than the reader reads at once
     write_file(path, inserted);
     const Outcome outcome = read_all(path);
     CHECK(outcome.events.size() == 4);

@@ -15,7 +15,7 @@
 namespace scanlock {
 namespace {
 
-/// Level, so that even pose2D_t holds all of it.
+/// A level pose, so that pose2D_t, too, has all of its components.
 TrackedScan tracked(std::int64_t utime) {
   TrackedScan scan;
   scan.utime = utime;

@@ -58,7 +58,7 @@ std::string error_of(const Bytes& bytes) {
   return "";
 }
 
-/// The checksum made to fit again, as only a faulty writer would.
+/// The bytes with a corrected checksum, as of a faulty writer.
 Bytes sealed(Bytes bytes) {
   const std::uint32_t sum = crc32(bytes.data(), bytes.size() - 4);
   for (std::size_t i = 0; i < 4; ++i) bytes[bytes.size() - 4 + i] = static_cast<std::uint8_t>(sum >> (8 * i));
@@ -322,11 +322,11 @@ TEST_CASE("what is wrong is named with its byte") {
   flipped[200] ^= 1;
   CHECK(contains(error_of(flipped), "byte " + std::to_string(good.size() - 4) + ": the checksum"));
   Bytes counted = good;
-  counted[20 + 4 + 96 + 24] = 200;  // keyframes that are not there, under a fitting checksum
+  counted[20 + 4 + 96 + 24] = 200;  // more keyframes than the file has, with a correct checksum
   CHECK(contains(error_of(sealed(counted)), "the keyframes would take"));
   const std::size_t end = good.size() - 4 - (4 + 276);  // of the keyframes; then one constraint
   Bytes fallen = good;
-  fallen[end - 1] = 0x40;  // the last coordinate of the last stand: 4 instead of 1
+  fallen[end - 1] = 0x40;  // the last coordinate of the last body-up direction: 4 instead of 1
   CHECK(contains(error_of(sealed(fallen)), "a stand is no direction"));
   Bytes crowded = good;
   crowded[end - 24 - 4] = 33;
@@ -362,7 +362,7 @@ TEST_CASE("no truncation and no flipped bit is taken for a map and none crashes"
       Bytes flipped = good;
       flipped[byte] = static_cast<std::uint8_t>(flipped[byte] ^ (1 << bit));
       REQUIRE_FALSE(error_of(flipped).empty());
-      if (byte < good.size() - 4) error_of(sealed(flipped));  // may be a map; must not crash
+      if (byte < good.size() - 4) error_of(sealed(flipped));  // may be a valid map; must not crash
     }
   }
 }

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The sentence with which these files are refused; empty when they are not.
+/// The error for these files; empty when they are accepted.
 std::string refusal(const RunFiles& files, bool force = false) {
   try {
     check_outputs(files, force);

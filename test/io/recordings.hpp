@@ -7,7 +7,8 @@
 
 namespace scanlock {
 
-/// The folder of real scans, which are no part of the project; tests that use it say so where it is missing.
+/// The folder of recorded scans, which are not part of the project; tests that use it report themselves as
+/// skipped where it is missing.
 inline std::filesystem::path recordings() {
   const char* given = std::getenv("SCANLOCK_DATA");
   return given != nullptr ? given : SCANLOCK_SOURCE_DIR "/../shared/data";

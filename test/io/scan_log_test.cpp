@@ -166,7 +166,7 @@ TEST_CASE("one scan leaves a log as a cloud, chosen by its number where there ar
         log_to_cloud(log, "LIDAR", cloud, static_cast<std::size_t>(number), no_progress);
     CHECK(result.scans == 1);
     CHECK(result.points == 20000);
-    CHECK(read_cloud(cloud).z[0] == doctest::Approx(number).epsilon(1e-3));  // its height is its number
+    CHECK(read_cloud(cloud).z[0] == doctest::Approx(number).epsilon(1e-3));  // the z of a scan is its number
   }
   write_scans(directory / "one", 1);
   directory_to_log(ScanDirectory(directory / "one", {}), log, "LIDAR", ScanMessage::kPointcloud, no_progress);

@@ -15,7 +15,7 @@
 
 namespace scanlock {
 
-/// A directory of its own for a test, removed at the end.
+/// A directory for one test, removed at the end.
 class TemporaryDirectory {
  public:
   TemporaryDirectory() {

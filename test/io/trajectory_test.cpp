@@ -42,7 +42,7 @@ TEST_CASE("TUM round trip keeps nine decimals and the microseconds") {
   for (std::size_t i = 0; i < back.size(); ++i)
     CHECK(std::llround(back[i].time_s * 1e6) == std::llround(trajectory[i].time_s * 1e6));
   for (std::size_t i = 0; i < back.size();
-       ++i) {  // half a unit of the ninth decimal, and what doubles lose at 1e3
+       ++i) {  // half a unit of the ninth decimal, and the rounding of doubles at 1e3
     CHECK((back[i].pose.translation() - trajectory[i].pose.translation()).cwiseAbs().maxCoeff() < 5.1e-10);
     const Eigen::Quaterniond q(back[i].pose.linear()), original(trajectory[i].pose.linear());
     CHECK(q.angularDistance(original) < 4e-9);

@@ -19,7 +19,7 @@
 namespace scanlock {
 namespace {
 
-/// A rectangle of points, `spacing` metres apart but for as much noise.
+/// Adds a rectangle of random points with a mean spacing of `spacing` metres.
 void add_rectangle(const Eigen::Vector3f& corner, const Eigen::Vector3f& u, const Eigen::Vector3f& v,
                    float spacing, PointCloud* cloud) {
   std::mt19937 random(5);
@@ -68,7 +68,7 @@ TEST_CASE("rays end at the first surface, whatever its points lie apart, and pas
         if (!hit) continue;
         const Eigen::Vector3f there = solid.point(*hit);
         if (there.x() < 6) ++first;
-        CHECK(there.cross(way).norm() < 1.0F);  // at the ray
+        CHECK(there.cross(way).norm() < 1.0F);  // near the ray
         CHECK_FALSE(solid.hit({0.01F, 0.02F, 0.03F}, -way, 50));
         CHECK_FALSE(solid.hit({0.01F, 0.02F, 0.03F}, way, 4));
       }
@@ -97,21 +97,21 @@ TEST_CASE("a ray meets what it would meet voxel by voxel") {
   std::uniform_real_distribution<float> uniform(-6, 6);
   PointCloud cloud;
   for (int i = 0; i < 60; ++i) cloud.push_back(uniform(random), uniform(random), uniform(random));
-  const SolidCloud solid = solid_of(cloud, 0.5F);  // few points: they hide their own voxels only
+  const SolidCloud solid = solid_of(cloud, 0.5F);  // few points: they occlude their own voxels only
   int hits = 0;
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector3f eye(uniform(random), uniform(random), uniform(random));
     const Eigen::Vector3f way =
         Eigen::Vector3f(uniform(random), uniform(random), uniform(random)).normalized();
     const auto hit = solid.hit(eye, way, 20);
-    std::optional<float> first;  // metres, by small steps, outside of the voxel of the eye
+    std::optional<float> first;  // metres to the first solid voxel outside that of the eye, by small steps
     for (float t = 0; t < 20 && !first; t += 0.002F) {
       const Eigen::Vector3f at = eye + t * way;
       const bool same = ((at / 0.5F).array().floor() == (eye / 0.5F).array().floor()).all();
       if (!same && solid.is_solid(at)) first = t;
     }
     if (hit) ++hits;
-    // Steps pass over corners that the ray cuts by less.
+    // The steps can miss corners that the ray cuts by less than a step.
     if (first) REQUIRE(hit);
     if (!hit || !first) continue;
     const Eigen::Vector3f inside = eye + (*first + 0.001F) * way;
@@ -136,7 +136,7 @@ TEST_CASE("in a bare cloud keyframes stand in rooms, see their walls and none of
       CHECK(eye.x() < 16);
       CHECK(eye.y() > 0);
       CHECK(eye.y() < 6);
-      CHECK(eye.z() > 0.5);  // neither below the floor nor above the ceiling
+      CHECK(eye.z() > 0.5);  // not below the floor, and not above the ceiling
       CHECK(eye.z() < 2.5);
       ++(eye.x() < 8 ? left : right);
       std::size_t through = 0;
@@ -159,13 +159,13 @@ TEST_CASE("people who stood across a corridor while it was surveyed do not divid
   PointCloud cloud;
   const Eigen::Vector3f x(60, 0, 0), y(0, 2.4F, 0), z(0, 0, 3);
   add_rectangle({0, 0, 0}, x, y, 0.05F, &cloud);
-  add_rectangle({-5, -5, 3}, {70, 0, 0}, {0, 12, 0}, 0.1F, &cloud);  // the ceiling, of the rooms about, too
+  add_rectangle({-5, -5, 3}, {70, 0, 0}, {0, 12, 0}, 0.1F, &cloud);  // the ceiling, also of the rooms around
   for (const float wall : {0.0F, 2.4F}) add_rectangle({0, wall, 0}, x, z, 0.05F, &cloud);
   for (const float end : {0.0F, 60.0F}) add_rectangle({end, 0, 0}, y, z, 0.05F, &cloud);
   for (float at = 2; at < 60; at += 2)
     for (const float side : {0.0F, 0.3F}) add_rectangle({at + side, 0, 0}, y, {0, 0, 1.8F}, 0.05F, &cloud);
   const SavedMap map = map_of_cloud(cloud, "corridor", {});
-  std::vector<bool> shown(6, false);  // of each ten metres
+  std::vector<bool> shown(6, false);  // for each ten metres
   for (const ArchivedKeyframe& k : map.keyframes) {
     const Eigen::Vector3d eye = k.map_from_body.translation();
     if (eye.z() < 2 && eye.x() > 0 && eye.x() < 60) shown[static_cast<std::size_t>(eye.x() / 10)] = true;
@@ -176,7 +176,7 @@ TEST_CASE("people who stood across a corridor while it was surveyed do not divid
 TEST_CASE("the upper side of a yard is the rougher one, and where it is upside down the yard is doubted") {
   PointCloud cloud;
   add_rectangle({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.05F, &cloud);
-  for (const float x : {2.0F, 8.0F, 14.0F})  // car ports
+  for (const float x : {2.0F, 8.0F, 14.0F})  // carports
     for (const float y : {3.0F, 12.0F}) add_rectangle({x, y, 2.2F}, {5, 0, 0}, {0, 5, 0}, 0.05F, &cloud);
   Eigen::Matrix3d over;  // about x
   over << 1, 0, 0, 0, -1, 0, 0, 0, -1;

@@ -13,7 +13,7 @@
 namespace scanlock {
 namespace {
 
-/// What is seen in the hall from `truth`, believed to be seen from `believed`.
+/// A keyframe in the hall: the points seen from `truth`, with the pose `believed`.
 ArchivedKeyframe keyframe(std::uint32_t id, const Pose& truth, const Pose& believed) {
   PointCloud points = hall_scan(truth, Vector6::Zero(), 0, id).points;
   points.time.clear();
@@ -38,8 +38,9 @@ Pose second_visit(std::uint32_t i) {
   return at(-4.5 + 1.4 * i, -0.6, 2.0);
 }
 
-/// Two visits of the hall, six keyframes each. The second one is believed to be `off` from where it is, and
-/// known to so much; the last but one of its keyframes is the newest of the request.
+/// Two visits of the hall, six keyframes each. The poses of the second visit have the error `off` and
+/// standard deviations of `metres` and `radians`; the last but one of its keyframes is the newest of the
+/// request.
 ClosureRequest two_visits(const Pose& off, double metres, double radians) {
   ClosureRequest request;
   request.graph.add(kOriginNode, Pose::Identity());
@@ -119,7 +120,8 @@ TEST_CASE("what is known already is not aligned again") {
   ClosureRequest request = two_visits(Pose::Identity(), 0.01, 0.001);
   request.usual_information = inverse(covariance(0.02, 0.004));
   CHECK(close_loop(request, {}).outcome == ClosureOutcome::kKnown);
-  // Along a corridor a closure tells nothing, so that it is not worth its cost for that.
+  // Along a corridor a closure has no information, so that a large variance along it does not make the
+  // closure worthwhile.
   Matrix6 corridor = inverse(covariance(0.02, 0.004));
   corridor(0, 0) = 0;
   Matrix6 unknown_along = covariance(0.01, 0.001);
@@ -127,7 +129,7 @@ TEST_CASE("what is known already is not aligned again") {
   CHECK_FALSE(is_worthwhile(unknown_along, corridor));
   unknown_along(1, 1) = 0.1;
   CHECK(is_worthwhile(unknown_along, corridor));
-  request.pending = Constraint();  // two in a row are asked for
+  request.pending = Constraint();  // two closures in a row are required
   CHECK(close_loop(request, {}).outcome != ClosureOutcome::kKnown);
 }
 

@@ -16,13 +16,13 @@
 namespace scanlock {
 namespace {
 
-/// The frame of a map in the hall: where and how its drive began.
+/// The frame of a map in the hall: the pose at which its drive began.
 Pose frame_in_hall(double x, double y, double heading) {
   return at(x, y, heading);
 }
 
-/// A drive along the hall at so many metres aside of its middle, from one x to another; `stretch`: of the
-/// points along x, 1 in the hall itself; `noise`: metres, of each coordinate.
+/// A drive along the hall from one x to another, `aside` metres beside its middle. `stretch`: factor of the
+/// points' x, 1 in the hall itself; `noise`: standard deviation of each coordinate, metres.
 SavedMap drive(const Pose& hall_from_map, double from, double to, double aside, unsigned seed,
                float stretch = 1, float noise = 0) {
   std::mt19937 random(seed);
@@ -82,7 +82,7 @@ TEST_CASE("two maps of one hall become one, in the frame of the first, whichever
       const Pose expected = is_first ? before : Pose(first_from_second * before);
       CHECK(near(keyframes[i].map_from_body, expected, 0.03, 0.005));
     }
-    // One graph: every keyframe is tied to the frame of the map.
+    // One graph: constraints connect every keyframe to the frame of the map.
     std::set<std::uint32_t> tied = {kOriginNode};
     for (std::size_t round = 0; round < keyframes.size(); ++round)
       for (const Constraint& c : merged.map.constraints)

@@ -29,7 +29,7 @@ Scan seen(int scan) {
                    static_cast<unsigned>(scan), 0.1, 2000);
 }
 
-/// A small local map: who goes round the hall forgets what was seen there the last time.
+/// A small local map: after a lap of the hall it has forgotten the keyframes of the last visit.
 TrackerConfig forgetful() {
   TrackerConfig config;
   config.max_keyframes = 8;
@@ -38,7 +38,7 @@ TrackerConfig forgetful() {
   return config;
 }
 
-/// The same in a hall of which one of the long walls stands 3.5 m farther in.
+/// The same scan in a hall with one of the long walls 3.5 m farther in.
 Scan narrowed(Scan scan, const Pose& pose) {
   for (std::size_t i = 0; i < scan.points.size(); ++i) {
     Vector6 velocity;
@@ -53,7 +53,7 @@ Scan narrowed(Scan scan, const Pose& pose) {
   return scan;
 }
 
-/// A hall less than half as long, seen from `way` steps on along another round.
+/// A scan of a hall less than half as long, from the pose after `way` steps of a lap.
 Scan elsewhere(int scan, int way) {
   Scan there =
       hall_scan(around(way), Vector6::Zero(), seen(scan).utime, static_cast<unsigned>(scan), 0.1, 2000);
@@ -68,7 +68,7 @@ Scan elsewhere(int scan, int way) {
   return there;
 }
 
-/// Keyframes of that scan and later ones.
+/// The number of keyframes of that scan and of later scans.
 std::size_t since(const SavedMap& map, int scan) {
   return static_cast<std::size_t>(
       std::count_if(map.keyframes.begin(), map.keyframes.end(),
@@ -109,7 +109,7 @@ TEST_CASE("round after round the map is one, and its poses are as certain as aft
             ? se3_log((around(0).inverse() * around(i)).inverse() * tracked.map_from_body).head<3>().norm()
             : 0.0);
     if (auto request = mapper.take_request()) {
-      CHECK_FALSE(mapper.take_request());  // one is out at a time
+      CHECK_FALSE(mapper.take_request());  // one request at a time
       answer = worker.work(*request);
       due = i + delay;
     }
@@ -125,13 +125,13 @@ TEST_CASE("round after round the map is one, and its poses are as certain as aft
   CHECK(near(tracked.map_from_body, tracked.local_from_body, 0.05, 0.01));
   const SavedMap saved = mapper.save();
   expect_same(mapper.graph(), saved.keyframes);
-  CHECK(saved.keyframes.size() - since(saved, 75) == first_round);  // what was seen first stays
+  CHECK(saved.keyframes.size() - since(saved, 75) == first_round);  // the keyframes of the first lap stay
 }
 
 TEST_CASE("where the place has changed the newer keyframes are kept" * doctest::test_suite("long drives")) {
   Mapper mapper(forgetful());
   TrackedScan tracked;
-  for (int i = 0; i < 900; ++i) {  // keyframes of the last minute are not seen again
+  for (int i = 0; i < 900; ++i) {  // keyframes of the last minute are not compared with a later visit
     tracked = mapper.track(i < 100 ? seen(i) : narrowed(seen(i), around(i)));
     if (auto request = mapper.take_request()) mapper.give(MapWorker(forgetful()).work(*request));
   }
@@ -155,7 +155,7 @@ TEST_CASE("a closure that was asked for before a reset changes nothing after it"
   ClosureAnswer accepted = std::get<ClosureAnswer>(worker.work(*request));
   mapper.reset();
   for (int i = 0; i < 30; ++i) mapper.track(seen(i));
-  accepted.outcome = ClosureOutcome::kAccepted;  // as it might have been
+  accepted.outcome = ClosureOutcome::kAccepted;  // as if the closure had been accepted
   accepted.nearest = 1;
   accepted.keyframe = 2;
   REQUIRE(mapper.graph().contains(2));
@@ -191,7 +191,7 @@ TEST_CASE("what the poses of a saved map are known to, and what closed its loops
   const Matrix6 last_after = after.covariance(kOriginNode, after.nodes().rbegin()->first);
   CHECK(last_after.isApprox(last_before, 1e-6));
 
-  saved.constraints.resize(1);  // most keyframes hang in the air: they are taken for rigid
+  saved.constraints.resize(1);  // most keyframes have no constraint: their poses are taken as rigid
   other.load(saved);
   CHECK(other.graph().nodes().size() == before.nodes().size());
   CHECK(other.graph().parts().size() == 1);
@@ -203,7 +203,7 @@ TEST_CASE("what the poses of a saved map are known to, and what closed its loops
 TEST_CASE("a map that is fixed stays as it is, gets no larger by revisits, and ties the robot to its frame" *
           doctest::test_suite("long drives")) {
   Mapper mapper(forgetful());
-  for (int i = 0; i < 90; ++i) mapper.track(seen(i));  // round the hall
+  for (int i = 0; i < 90; ++i) mapper.track(seen(i));  // a lap of the hall
   const SavedMap saved = mapper.save();
   const std::size_t known = saved.keyframes.size();
   Mapper other(forgetful());
@@ -219,7 +219,7 @@ TEST_CASE("a map that is fixed stays as it is, gets no larger by revisits, and t
   CHECK(tracked.state == TrackingState::kTracking);
   CHECK(tracked.loop_closures > 0);
   CHECK(near(tracked.map_from_body, around(0).inverse() * around(699), 0.05, 0.01));
-  CHECK(most < known + 20);  // keyframes that go on in known ground are dropped a reach behind the robot
+  CHECK(most < known + 20);  // keyframes on known ground are dropped a reach behind the robot
   const SavedMap after = other.save();
   REQUIRE(after.keyframes.size() >= known);
   for (std::size_t k = 0; k < known; ++k)
@@ -233,7 +233,7 @@ TEST_CASE("a map that is saved and loaded each day grows by new ground alone") {
     Mapper mapper(TrackerConfig{});
     mapper.load(map);
     TrackedScan tracked;
-    for (int i = 0; i < 90; ++i) {  // round the hall
+    for (int i = 0; i < 90; ++i) {  // a lap of the hall
       tracked = mapper.track(seen(i));
       if (auto request = mapper.take_request()) mapper.give(MapWorker(TrackerConfig{}).work(*request));
     }
@@ -242,7 +242,7 @@ TEST_CASE("a map that is saved and loaded each day grows by new ground alone") {
     map = mapper.save();
     if (day == 0) first = map.keyframes.size();
     CAPTURE(day);
-    // Of the last reach of each day's way it is not known yet which ones are redundant.
+    // Redundant keyframes within the last reach of each day's path are not dropped yet.
     CHECK(map.keyframes.size() <= first + static_cast<std::size_t>(6 * day));
   }
   CHECK(first > 12);
@@ -250,7 +250,7 @@ TEST_CASE("a map that is saved and loaded each day grows by new ground alone") {
 
 TEST_CASE("where a robot is looked for first in a map that was loaded is described before its first scan") {
   Mapper first(TrackerConfig{});
-  for (int i = 0; i < 90; ++i) first.track(seen(i));  // round the hall
+  for (int i = 0; i < 90; ++i) first.track(seen(i));  // a lap of the hall
   Mapper mapper(TrackerConfig{});
   MapWorker worker(TrackerConfig{}), unprepared(TrackerConfig{});
   mapper.load(first.save(), true);
@@ -263,7 +263,8 @@ TEST_CASE("where a robot is looked for first in a map that was loaded is describ
   std::optional<MapRequest> request;
   for (int i = 0; i < 10 && !request; ++i) {
     mapper.track(seen(i));
-    if (i > 3) request = mapper.take_request();  // of one scan in motion a search takes a wider look
+    // A search with a single scan in motion would have another target.
+    if (i > 3) request = mapper.take_request();
   }
   REQUIRE(request);
   REQUIRE(std::holds_alternative<RecoveryRequest>(*request));
@@ -274,7 +275,7 @@ TEST_CASE("where a robot is looked for first in a map that was loaded is describ
   CHECK(answer.cost_s < other.cost_s);
 }
 
-/// What comes of a join where the searches together say 3 for it, and the odds before 3 more.
+/// The outcome of a join for which the searches together have log odds of 3, and the prior another 3.
 ClosureOutcome outcome_of_little(MapWorker& worker, JoinRequest request, std::size_t agreeing) {
   const double said = std::get<JoinAnswer>(worker.work(request)).search.log_odds;
   REQUIRE(said > 3);
@@ -282,7 +283,7 @@ ClosureOutcome outcome_of_little(MapWorker& worker, JoinRequest request, std::si
   return std::get<JoinAnswer>(worker.work(request)).closure.outcome;
 }
 
-/// The same walls with other things before them.
+/// Adds other furniture before the same walls.
 void furnish(std::vector<ArchivedKeyframe>* places) {
   for (ArchivedKeyframe& place : *places) {
     PointCloud points = *place.points.cloud();
@@ -295,9 +296,9 @@ void furnish(std::vector<ArchivedKeyframe>* places) {
   }
 }
 
-/// Whether both submaps were joined, which they are not when the searches speak against the finds that agree,
-/// and, where the robot was not found in the map of the other one or other things stand there, not when they
-/// say little.
+/// Whether both submaps were joined. Checks that they are not joined when the log odds of the agreeing finds
+/// are very low; nor when these are only 3 and the robot was not found in the loaded map, or the furniture
+/// differs.
 bool doubted(MapWorker& worker, MapRequest request, const MapAnswer& answer) {
   const auto* join = std::get_if<JoinAnswer>(&answer);
   if (!join || join->closure.outcome != ClosureOutcome::kAccepted) return false;
@@ -321,7 +322,7 @@ TEST_CASE("a robot that is not in the map it was given is at home in one of its 
   TrackerConfig config = forgetful();
   config.new_map_after_s = 0.8;
   Mapper first(config);
-  for (int i = 0; i < 90; ++i) first.track(seen(i));  // round the hall
+  for (int i = 0; i < 90; ++i) first.track(seen(i));  // a lap of the hall
   const SavedMap saved = first.save();
   bool fixed = false, said = false;
   if (all_trials()) {
@@ -351,14 +352,15 @@ TEST_CASE("a robot that is not in the map it was given is at home in one of its 
   };
   follow(15, [](int k) { return elsewhere(k, 0); });
   CHECK_FALSE(tracked.localised);
-  CHECK(tracked.state != TrackingState::kTracking);  // it has not moved, and is searched for there
+  // The robot has not moved: it is searched for where it stands.
+  CHECK(tracked.state != TrackingState::kTracking);
   follow(60, [](int k) { return elsewhere(k, k - 15); });
   CHECK_FALSE(tracked.localised);
   CHECK(tracked.state == TrackingState::kTracking);
   CHECK(mapper.other_submaps() == 1);
   const std::uint32_t epoch = tracked.epoch;
   if (said) mapper.set_pose(around(0).inverse() * around(i));
-  if (fixed && !said) {  // by a join, where no search comes in time
+  if (fixed && !said) {  // by a join: no search is answered in time
     for (const int end = i + 14; i < end; ++i) mapper.track(seen(i));
   }
   follow(said ? 10 : 60, seen);
@@ -366,12 +368,12 @@ TEST_CASE("a robot that is not in the map it was given is at home in one of its 
   CHECK(tracked.state == TrackingState::kTracking);
   CHECK(tracked.epoch > epoch);
   CHECK(near(tracked.map_from_body, around(0).inverse() * around(i - 1), 0.05, 0.01));
-  CHECK((joins_doubted > 0) == (fixed && !said));  // else by a search for a lost robot, or by what was said
+  CHECK((joins_doubted > 0) == (fixed && !said));  // otherwise by a search for a lost robot, or by set_pose()
 }
 
 TEST_CASE("a map whose z axis is not up keeps what is") {
   Mapper first(TrackerConfig{}), mapper(TrackerConfig{});
-  for (int i = 0; i < 90; ++i) first.track(seen(i));  // round the hall
+  for (int i = 0; i < 90; ++i) first.track(seen(i));  // a lap of the hall
   Vector6 lying;
   lying << 4, -2, 1, 0, 1.5, 0;
   const SavedMap given = moved(first.save(), se3_exp(lying));
@@ -391,7 +393,7 @@ TEST_CASE(
   config.new_map_after_s = 0.8;
   Mapper first(config), there(config), later(config);
   MapWorker worker(config);
-  for (int i = 0; i < 90; ++i) first.track(seen(i));  // round the hall
+  for (int i = 0; i < 90; ++i) first.track(seen(i));  // a lap of the hall
   const auto follow = [&](Mapper& mapper, int begin) {
     TrackedScan tracked;
     for (int k = begin; k < begin + 50; ++k) {
@@ -427,7 +429,7 @@ TEST_CASE("a robot that is lost on new ground is at home there, and in the first
   const auto hall = [](int k) {
     return hall_scan(at(-6, -1, 0.1), Vector6::Zero(), 100000 * k, static_cast<unsigned>(k));
   };
-  const auto narrow = [](const Pose& pose, int k) {  // as if the hall were less than half as long
+  const auto narrow = [](const Pose& pose, int k) {  // the hall less than half as long
     Scan scan = hall_scan(pose, Vector6::Zero(), 100000 * k, static_cast<unsigned>(k));
     const Eigen::Matrix3f turn = pose.linear().cast<float>();
     for (std::size_t p = 0; p < scan.points.size(); ++p) {
@@ -457,7 +459,7 @@ TEST_CASE("a robot that is lost on new ground is at home there, and in the first
 
   follow(45, [&](int k) { return narrow(at(7, 5, 2.5), k); });
   CHECK(tracked.state == TrackingState::kTracking);
-  CHECK(tracked.epoch == 3);  // it was found there
+  CHECK(tracked.epoch == 3);  // the robot was found in the other submap
   CHECK_FALSE(mapper.graph().contains(node));
   CHECK(mapper.other_submaps() == 1);
 }
@@ -470,15 +472,15 @@ TEST_CASE(
   Mapper mapper(config);
   MapWorker worker(config);
   mapper.keep_history();
-  for (int i = 0; i < 90; ++i) mapper.track(seen(i));  // round the hall
-  const auto later = [](int i) {                       // it was carried on by a quarter
+  for (int i = 0; i < 90; ++i) mapper.track(seen(i));  // a lap of the hall
+  const auto later = [](int i) {                       // kidnapped by a quarter of the lap
     Scan scan = seen(i + 20);
     scan.utime -= 2000000;
     return scan;
   };
   TrackedScan tracked, lost;
   int i = 90;
-  for (; i < 130; ++i) {  // nobody answers its requests
+  for (; i < 130; ++i) {  // its requests are not answered
     tracked = mapper.track(later(i));
     mapper.take_request();
     if (i == 95) lost = tracked;
@@ -502,7 +504,7 @@ TEST_CASE(
   other.load(saved, true);
   CHECK(other.save().keyframes.size() == first);
 
-  mapper.give(RecoveryAnswer());  // late
+  mapper.give(RecoveryAnswer());  // a late answer
   for (; i < 300 && mapper.other_submaps() > 0; ++i) {
     tracked = mapper.track(later(i));
     if (auto request = mapper.take_request()) mapper.give(worker.work(*request));

@@ -55,7 +55,7 @@ double worst(const PoseGraph& graph, const std::vector<Pose>& truth) {
   return most;
 }
 
-/// Poses along a ring, some metres apart.
+/// Poses along a ring, 2 m apart.
 std::vector<Pose> ring(std::uint32_t n) {
   std::vector<Pose> truth(1, Pose::Identity());
   Vector6 step;
@@ -64,7 +64,7 @@ std::vector<Pose> ring(std::uint32_t n) {
   return truth;
 }
 
-/// The truth, tied from each pose to the next as well as chance will have it.
+/// The true poses, with noisy odometry constraints from each pose to the next.
 PoseGraph chain(const std::vector<Pose>& truth, Random& random) {
   PoseGraph graph;
   for (std::uint32_t i = 0; i < truth.size(); ++i) {
@@ -214,7 +214,7 @@ TEST_CASE("a covariance is that of the dense inverse, and a loop brings it down"
   closure.loop_closure = true;
   graph.connect(closure);
   CHECK((2 * graph.covariance(0, 29) - open).norm() < 1e-4 * open.norm());
-  // From the other end: the same, seen from there.
+  // In the other direction: the same covariance, in the frame of the other node.
   const Matrix6 back = adjoint(truth[29].inverse() * truth[0]);
   CHECK((back * graph.covariance(29, 0) * back.transpose() - graph.covariance(0, 29)).norm() <
         1e-4 * open.norm());
@@ -269,7 +269,7 @@ TEST_CASE(
   PoseGraph graph = chain(truth, random);
   graph.optimise();
   const Matrix6 before = graph.covariance(3, 8);
-  // Node 9 is the place of node 3, seen again.
+  // Node 9 is a revisit of the place of node 3.
   Constraint closure = measured(3, 9, truth);
   closure.loop_closure = true;
   graph.connect(closure);
@@ -282,10 +282,10 @@ TEST_CASE(
   graph.replace(9, closure);
   CHECK(graph.nodes().size() == 11);
   CHECK(graph.constraints().size() == 11);                 // 0 to 8, and 3 to 8 and 10
-  CHECK(graph.covariance(3, 8).trace() < before.trace());  // two ways lead there
+  CHECK(graph.covariance(3, 8).trace() < before.trace());  // two paths lead there
   CHECK((between(3, 8).information - through.information).norm() < 1e-6 * through.information.norm());
   CHECK(graph.optimise().metres < 1e-9);
-  // Driven through again: what is known between 3 and 4 stays as it is, however often.
+  // Repeated visits: the covariance between 3 and 4 does not change, however many there are.
   const Matrix6 known = graph.covariance(3, 4);
   for (std::uint32_t lap = 20; lap < 40; lap += 2) {
     graph.add(lap, random.pose(0.01, 0.001) * truth[3]);

@@ -28,7 +28,7 @@ TEST_CASE("poses follow the keyframe that they were told at, through all that be
   CHECK(two != one);
   CHECK(history.correction(one, in(map)).matrix() == Pose::Identity().matrix());
 
-  // The map is bent: a pose told then is where it was in its keyframe.
+  // The keyframes move: a published pose keeps its pose relative to its keyframe.
   const Pose by_one = at(0.3, 0.05), by_two = at(0.5, 0.02);
   map[1] = by_one * map[1];
   map[2] = by_two * map[2];
@@ -38,7 +38,7 @@ TEST_CASE("poses follow the keyframe that they were told at, through all that be
   CHECK(later != two);
   CHECK(history.correction(later, in(map)).matrix() == Pose::Identity().matrix());
 
-  // Keyframe 2 shows what 1 does, and goes: its poses move with 1.
+  // Keyframe 2 shows the same ground as 1 and is removed: its poses move with 1.
   history.replace(2, 1, map[1].inverse() * map[2]);
   map.erase(2);
   CHECK(near(history.correction(one, in(map)), by_one, 1e-12, 1e-12));
@@ -49,7 +49,7 @@ TEST_CASE("poses follow the keyframe that they were told at, through all that be
   CHECK(near(history.correction(two, in(map)), again * by_two, 1e-12, 1e-12));
   CHECK(near(history.correction(later, in(map)), again, 1e-12, 1e-12));
 
-  // So does 1, for 3, which is forgotten then.
+  // Keyframe 1 is replaced by 3, and then 3 is removed.
   map[3] = at(7, 0);
   history.stamp(3, map[3]);
   history.replace(1, 3, map[3].inverse() * map[1]);

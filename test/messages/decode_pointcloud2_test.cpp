@@ -57,7 +57,7 @@ void add_field(bot_core::pointcloud2_t& message, const std::string& name, int of
   message.nfields = static_cast<std::int32_t>(message.fields.size());
 }
 
-/// Two good points, x y z float32 in 12 bytes.
+/// Two valid points, x y z float32 in 12 bytes.
 bot_core::pointcloud2_t two_points() {
   Packer packer;
   for (const float value : {1.0f, 2.0f, 3.0f, -4.0f, 5.5f, 6.0f}) packer.put(value);
@@ -90,7 +90,7 @@ TEST_CASE("pointcloud2 in any order with padding, doubles, either byte order, pa
     Packer packer{big_endian, {}};
     for (int row = 0; row < 2; ++row) {
       for (int column = 0; column < 2; ++column) {
-        packer.put(std::uint16_t{0xffff});    // something we do not know
+        packer.put(std::uint16_t{0xffff});    // an unknown field
         packer.put(10.0 * row + column);      // z
         packer.put(std::uint8_t{200});        // intensity
         packer.put(std::uint32_t{50000000});  // t

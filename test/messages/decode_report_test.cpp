@@ -19,7 +19,7 @@
 using namespace scanlock;
 
 // Decoding and encoding again must give the same bytes, and every member of the samples differs from its
-// neighbours: together with lcm-gen's view of some members, a swap or a loss anywhere shows.
+// neighbours: with lcm-gen's decoding of some members, any swapped or lost member is found.
 TEST_CASE("odometry_t comes back, every member") {
   const Bytes bytes = encode_odometry(sample_tracked(), sample_context());
   const auto decoded = decode_odometry(bytes.data(), bytes.size());

@@ -103,7 +103,8 @@ TEST_CASE(
   CHECK(message.child_frame_id == "lidar");
   CHECK(message.pose.pose.orientation.z == doctest::Approx(std::sqrt(0.5)));
   CHECK(message.pose.pose.orientation.w == doctest::Approx(std::sqrt(0.5)));
-  CHECK(message.pose.covariance[0] == doctest::Approx(2));  // the body's y is the map's -x
+  // The y axis of the body is the -x axis of the map.
+  CHECK(message.pose.covariance[0] == doctest::Approx(2));
   CHECK(message.pose.covariance[7] == doctest::Approx(1));
   CHECK(message.pose.covariance[21] == doctest::Approx(5));
   CHECK(message.twist.covariance[0] == -1);

@@ -33,8 +33,8 @@ std::uint64_t generated() {
 
 }  // namespace
 
-// The ecosystem's numbers were computed by other people's copies of these types: a change here is a break
-// with them.
+// These fingerprints were computed from copies of the types in other projects: a change here breaks
+// compatibility with them.
 TEST_CASE("the fingerprints of the ecosystem are the golden ones") {
   CHECK(generated<bot_core::pose_t>() == 0x2e16efb052b0105eu);
   CHECK(generated<bot_core::rigid_transform_t>() == 0xea9ffbf2acc5c5aeu);
@@ -49,7 +49,7 @@ TEST_CASE("the fingerprints of the ecosystem are the golden ones") {
   CHECK(generated<mbot_lcm_msgs::pose2D_t>() == 0x1f317af1246276acu);
 }
 
-// A new number here means that recorded logs and other people's programs no longer understand us.
+// A changed fingerprint makes our messages incompatible with recorded logs and other programs.
 TEST_CASE("the fingerprints of our own types are pinned") {
   CHECK(generated<odometry_t>() == 0x45be9166d28b2ef0u);
   CHECK(generated<status_t>() == 0x05e9a23aa429a5b3u);

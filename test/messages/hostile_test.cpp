@@ -1,8 +1,8 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
 //
-// Whatever comes over the wire, a decoder answers with a value. Most of what can go wrong here shows under
-// the sanitizers, where tools/check runs this file too.
+// Tests that a decoder returns a value for any bytes. Most errors of this kind show only under the
+// sanitizers, with which tools/check runs this file, too.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -57,7 +57,7 @@ std::vector<Bytes> reports() {
           encode_command(Command{})};
 }
 
-/// Decodes a copy that ends exactly where the message does, so that a sanitizer sees a read behind it.
+/// Decodes a copy that ends exactly where the message does, so that a sanitizer finds reads beyond its end.
 template <typename Decode>
 auto decode_tight(const Bytes& bytes, std::size_t size, Decode decode) {
   const std::unique_ptr<std::uint8_t[]> copy(new std::uint8_t[size]);
@@ -65,7 +65,7 @@ auto decode_tight(const Bytes& bytes, std::size_t size, Decode decode) {
   return decode(copy.get(), size);
 }
 
-/// What must hold for any scan that comes out of any bytes.
+/// Checks that must hold for every decoded scan, whatever the bytes.
 void check_sound(const DecodedScan& decoded, std::size_t message_bytes) {
   const PointCloud& points = decoded.scan.points;
   const bool sound_sizes = points.y.size() == points.size() && points.z.size() == points.size() &&
@@ -174,7 +174,7 @@ TEST_CASE("random mutations of every message") {
 }
 
 TEST_CASE("the messages that are known to kill a generated decoder") {
-  // Thirty bytes that announce 2^31 elements, or fewer than none (notes on LCM, section 4).
+  // Thirty bytes with a count of about 2^31 elements, or a negative count (notes on LCM, section 4).
   for (const std::uint8_t top : std::initializer_list<std::uint8_t>{0x7f, 0x80, 0xff, 0x40}) {
     Bytes planar = encode_planar_lidar(sample_scan(1), 1);
     planar[16] = top;  // nranges

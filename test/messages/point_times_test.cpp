@@ -72,7 +72,7 @@ TEST_CASE("without a stamp, epoch times count from the earliest point") {
 
 TEST_CASE("times that make no sense are left out") {
   CHECK(read("time", TimeKind::kFloat32, kStamp, {0, 90000}).empty());  // microseconds in a float?
-  CHECK(read("timestamp", TimeKind::kFloat64, kStamp, {12345.0, 12345.1}).empty());  // some other clock
+  CHECK(read("timestamp", TimeKind::kFloat64, kStamp, {12345.0, 12345.1}).empty());  // another clock
   CHECK(read("timestamp", TimeKind::kFloat64, kStamp, {1600000000.0, 1600000000.1}).empty());
   CHECK(read("t", TimeKind::kFloat32, kStamp, {0, std::nan("")}).empty());
   CHECK(read("times", TimeKind::kMicrosecondsOfEpoch, kStamp, {0, 0}).empty());

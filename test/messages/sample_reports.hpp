@@ -6,7 +6,7 @@
 
 namespace scanlock {
 
-/// Each member has a value of its own, so that a swap of two shows.
+/// Each member has a different value, so that a swap of two is found.
 inline TrackedScan sample_tracked() {
   TrackedScan tracked;
   tracked.utime = 1700000000123456;

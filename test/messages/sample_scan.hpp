@@ -8,7 +8,7 @@
 
 namespace scanlock {
 
-/// A turn of points at differing ranges and heights, none of which is the origin, with times of 0.1 s.
+/// One turn of points at different ranges and heights, none at the origin, with times over 0.1 s.
 inline Scan sample_scan(int count) {
   Scan scan;
   scan.utime = 1700000000123456;

@@ -114,11 +114,11 @@ TEST_CASE("doubled, late and contradicting sectors are thrown away and counted")
   contradicting.sector_count += 1;
   assembler.add(contradicting);
   CHECK(assembler.discarded_sectors() == 2);
-  CHECK(assembler.add(second[0]).size() == 1);  // the first scan goes out with one sector
+  CHECK(assembler.add(second[0]).size() == 1);  // the first scan is returned with one sector
   CHECK(assembler.add(first[1]).empty());
   CHECK(assembler.discarded_sectors() == 3);
   CHECK(add_all(assembler, {second.begin() + 1, second.end()}).size() == 1);
-  CHECK(add_all(assembler, second).empty());  // the same scan again: it has gone out
+  CHECK(add_all(assembler, second).empty());  // sectors of a scan that was already returned
   CHECK(assembler.discarded_sectors() == 3 + static_cast<std::int64_t>(second.size()));
 }
 

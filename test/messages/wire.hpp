@@ -9,14 +9,14 @@
 
 namespace scanlock {
 
-/// What we make of a message that lcm-gen's code has encoded.
+/// Our decoding of a message that lcm-gen's code has encoded.
 template <typename Message>
 DecodedScan decode(const Message& message, const DecodeLimits& limits = {}) {
   const Bytes bytes = generated_bytes(message);
   return decode_scan(bytes.data(), bytes.size(), limits);
 }
 
-/// What lcm-gen's code makes of a message that we have encoded.
+/// The decoding by lcm-gen's code of a message that we have encoded.
 template <typename Message>
 Message theirs(const Bytes& bytes) {
   Message message{};

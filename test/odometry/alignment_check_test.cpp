@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::int64_t kScanPeriod = 100000;  // microseconds
 
-/// Of a scan in a known place that costs what such scans do, `metres` ahead of a prediction whose standard
-/// deviation is 0.1 m, 0.1 rad, 1 m/s and 1 rad/s.
+/// The alignment of a scan on known ground with the usual energy, `metres` ahead of a prediction whose
+/// standard deviations are 0.1 m, 0.1 rad, 1 m/s and 1 rad/s.
 Attempt attempt(double metres, double score = 0, double share = 0.9) {
   Attempt result;
   Vector12 information;
@@ -46,7 +46,7 @@ TEST_CASE("an alignment is plausible near its prediction, whatever share of the 
   }
   check.distrust(false);
   CHECK(check.is_plausible(attempt(0.31)));
-  CHECK_FALSE(check.is_plausible(attempt(0.33)));  // of 11
+  CHECK_FALSE(check.is_plausible(attempt(0.33)));  // a squared gap of 11
 }
 
 TEST_CASE("an alignment is trusted where it explains its scan and is plausible") {
@@ -84,7 +84,7 @@ TEST_CASE("the last trusted scan contradicts another place: asked after a gap, a
 TEST_CASE("after a short gap a motion that nobody expected has to be confirmed, once motion is known") {
   AlignmentCheck check;
   check.trust(0, scan_at(Pose::Identity(), 1), {Pose::Identity(), Vector6::Zero()}, true);
-  MotionPrior told = attempt(0).prior;  // by other sensors
+  MotionPrior told = attempt(0).prior;  // the prediction by other sensors
   told.mean.pose = Pose(Eigen::Translation3d(0.2, 0, 0));
   for (const double ahead : {0.09, 0.11}) {  // squared gaps of 0.8 and 1.2
     const Attempt there = attempt(ahead);
@@ -94,7 +94,7 @@ TEST_CASE("after a short gap a motion that nobody expected has to be confirmed, 
   }
   Attempt first = attempt(0.3);
   CHECK(check.is_to_be_confirmed(4 * kScanPeriod, 0.1, first.prior, first));
-  CHECK_FALSE(check.is_to_be_confirmed(4 * kScanPeriod, 0.4, first.prior, first));  // none is missing
+  CHECK_FALSE(check.is_to_be_confirmed(4 * kScanPeriod, 0.4, first.prior, first));  // no scan is missing
   CHECK_FALSE(check.is_to_be_confirmed(13 * kScanPeriod, 0.1, first.prior, first));
   first.health.young = true;
   CHECK_FALSE(check.is_to_be_confirmed(4 * kScanPeriod, 0.1, first.prior, first));

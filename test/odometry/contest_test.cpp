@@ -25,7 +25,7 @@ struct Ending {
   double log_odds;
 };
 
-/// Of a contest in a map, for a sensor at rest in the hall, which sees all of it.
+/// The ending of a contest in a map, for a sensor at rest in the hall, all of which it sees.
 Ending ending_of(Contest contest, const std::vector<ArchivedKeyframe>& map,
                  const std::optional<Pose>& standing = std::nullopt) {
   const TrackerConfig config;
@@ -49,7 +49,8 @@ Ending contest_of(const std::vector<ArchivedKeyframe>& map, const std::vector<Po
   return ending_of(Contest(places), map, standing ? std::optional(places.back()) : std::nullopt);
 }
 
-/// Between a hall that was seen whole and a twin of it, 40 m away, of which the map knows one half.
+/// The ending of a contest between the hall, which the map shows as a whole, and an equal hall 40 m away, of
+/// which the map shows one half.
 Ending between_twins(bool standing) {
   Scan map;
   map.points = hall_map();
@@ -162,7 +163,7 @@ TEST_CASE(
   const TrackerConfig config;
   PreparedHall hall(config);
   PointCloud map = hall_map();
-  for (float& x : map.x) x += x > 11.9f ? 0.2f : 0.0f;  // one wall farther off, and another one
+  for (float& x : map.x) x += x > 11.9f ? 0.2f : 0.0f;  // one wall 0.2 m farther off, and then another wall
   for (float& y : map.y) y += y > 7.9f ? 0.2f : 0.0f;
   const PreparedScan first = hall.scan(0);
   Odometer odometer(config);

@@ -10,7 +10,7 @@
 namespace scanlock {
 namespace {
 
-/// The velocity along x, metres a second, that an excursion finds where another is predicted.
+/// The velocity along x, m/s, that lost-mode odometry (Excursion) finds where another velocity is predicted.
 double found_velocity(double velocity, double predicted, int scans) {
   const TrackerConfig config;
   VoxelScale scale(config.map_points_per_scan, config.min_voxel_m, config.max_voxel_m);

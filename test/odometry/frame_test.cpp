@@ -10,7 +10,7 @@ using namespace scanlock;
 
 namespace {
 
-/// A second of a drive, then another one after a kidnap: what one tracker makes of it.
+/// The tracked scans of a drive of one second, and of another second after a kidnap.
 std::vector<TrackedScan> followed(const Frame& frame) {
   FramedTracker tracker(TrackerConfig{}, frame);
   PlaceFinder finder;

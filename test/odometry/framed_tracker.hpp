@@ -13,7 +13,7 @@
 
 namespace scanlock {
 
-/// Where the origin of the map lies, and when the drive takes place: neither may matter.
+/// The origin of the map and the time of the drive; results must not depend on either.
 struct Frame {
   Pose there_from_here = Pose::Identity();
   std::int64_t later = 0;  ///< microseconds
@@ -28,8 +28,9 @@ inline Frame far_frame() {
   return frame;
 }
 
-/// Of all trials, runs the test case that calls it twice: in the usual frame, and in one that is far off,
-/// turned and later. Else the release build runs it in the second, and the sanitisers in the first.
+/// With all trials, runs the calling test case twice: in the usual frame, and in a frame that is far off,
+/// turned and later. Otherwise the release build runs it in the second frame, and the sanitisers in the
+/// first.
 inline Frame each_frame() {
   if (!all_trials()) return kSanitised ? Frame() : far_frame();
   Frame frame;
@@ -40,7 +41,8 @@ inline Frame each_frame() {
   return frame;
 }
 
-/// A tracker that works in a frame; what goes in and comes out is moved, so that a test sees the usual one.
+/// A tracker that works in a frame. Its inputs and outputs are transformed, so that a test uses the usual
+/// frame.
 class FramedTracker {
  public:
   FramedTracker(const TrackerConfig& config, const Frame& frame) : tracker_(config), frame_(frame) {

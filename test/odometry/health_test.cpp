@@ -16,8 +16,8 @@ using namespace scanlock;
 
 constexpr double kScale = 0.05;  // metres
 
-/// Points in patches of ten, which share the error of their surface; of the patches the share `off` is two
-/// scales away from it.
+/// The health of points in patches of ten that share the error of their surface; the share `off` of the
+/// patches lies two scales off their surface.
 Health assess(const HealthMonitor& monitor, int points, double off, std::mt19937* random) {
   std::normal_distribution<float> noise(0.0f, 0.3f * static_cast<float>(kScale));
   std::bernoulli_distribution moved(off);
@@ -30,7 +30,7 @@ Health assess(const HealthMonitor& monitor, int points, double off, std::mt19937
                         planar_chance(residuals.size()));
 }
 
-/// That of a robot at rest: chance was the same in all scans, so that their energies hardly differ.
+/// The monitor of a robot at rest: all scans had the same random error, so that their energies hardly differ.
 HealthMonitor rested(int points, std::mt19937* random) {
   HealthMonitor monitor;
   Health usual = assess(monitor, points, 0.1, random);
@@ -59,7 +59,7 @@ TEST_CASE("the energy of another place is a jump, for few points as for many") {
 
 TEST_CASE("an energy that rises over twenty scans is no jump, and one that rises as far at once is") {
   const auto at_energy = [](const HealthMonitor& monitor, double energy) {
-    // Of all points a share lies far off: the energy is that share.
+    // A share of all points lies far off: the energy is that share.
     std::vector<float> residuals(1000, 0.0f);
     std::fill_n(residuals.begin(), static_cast<std::ptrdiff_t>(1000 * energy), 10.0f);
     return monitor.assess(residuals, residuals, std::vector<float>(1000, 1.0f), kScale, 0.0);

@@ -88,10 +88,10 @@ TEST_CASE("a map that was restored is larger than the cap, and none of it gives 
   archive.restore(whole.keyframes());
   CHECK(archive.keyframes().size() == 5);
   for (int i = 5; i < 10; ++i) archive.add(i, shifted(10 * i, 0), 20, ring(100, 20));
-  REQUIRE(archive.keyframes().size() == 7);  // and two of its own
+  REQUIRE(archive.keyframes().size() == 7);  // five restored ones and two new ones
   CHECK(archive.keyframes()[4].id == 5);
   CHECK(archive.keyframes()[5].id == 9);
-  archive.replace(2, 3);  // what is seen again may, where the map is not fixed
+  archive.replace(2, 3);  // keyframes of a map that is not fixed may be replaced
   CHECK(archive.keyframes().size() == 6);
   archive.add(10, shifted(100, 0), 20, ring(100, 20));
   CHECK(archive.keyframes().size() == 6);
@@ -166,7 +166,7 @@ TEST_CASE("a submap joins the places around a centre in the axes of the map") {
   archive.add(2, shifted(103, 50), 5, one);
   archive.add(3, shifted(400, 50), 5, one);
   const PointCloud submap = submap_around(archive.keyframes(), {100, 50, 0}, 10, 0.2);
-  REQUIRE(submap.size() == 2);  // in no order that matters
+  REQUIRE(submap.size() == 2);  // in any order
   const std::size_t first = submap.x[0] < 2 ? 0 : 1;
   CHECK(submap.point(first).isApprox(Eigen::Vector3f(0, 1, 0.5f), 1e-5f));
   CHECK(submap.point(1 - first).isApprox(Eigen::Vector3f(4, 0, 0.5f), 1e-5f));
@@ -180,7 +180,7 @@ TEST_CASE("the ways in which the body stood are kept with the nearest place a fe
     return pose;
   };
   KeyframeArchive archive(1000000);
-  archive.note_stand(tilted(0, 0.2));  // nowhere yet
+  archive.note_stand(tilted(0, 0.2));  // the archive is empty
   archive.add(1, shifted(0, 0), 12, ring(500, 12));
   archive.add(2, shifted(50, 0), 12, ring(500, 12));
   for (int i = 0; i <= 20; ++i) archive.note_stand(tilted(1, 0.011 * i));

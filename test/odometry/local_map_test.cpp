@@ -20,7 +20,7 @@ void add_row(float x, PointCloud* cloud) {
     cloud->push_back(Eigen::Vector3f(x, 0.1f + static_cast<float>(i) * static_cast<float>(kVoxel), 0.1f));
 }
 
-/// The last of them with another voxel size, at which the map forgets at once.
+/// Inserts the scans, the last one with another voxel size, at which the map forgets old points at once.
 void insert(const std::vector<PointCloud>& scans, LocalMap* map) {
   for (std::size_t i = 0; i < scans.size(); ++i) {
     Keyframe keyframe;
@@ -89,14 +89,14 @@ TEST_CASE("where a given map shows a voxel its point stands for it, and its keyf
   map.found_on({given(0.15f, 3), given(9.1f, 4)}, kVoxel);
   CHECK(map.keyframes().size() == 4);
   CHECK(points_at(0.1f, map) == 0);
-  CHECK(points_at(0.15f, map) == 40);  // in the same voxels
+  CHECK(points_at(0.15f, map) == 40);  // in the same voxels as the row at 0.1 m
   CHECK(points_at(5.1f, map) == 40);
   CHECK(points_at(9.1f, map) == 40);
-  map.insert(keyframe(7.1f, 5), 0.99 * kVoxel);  // the oldest of its own is forgotten
+  map.insert(keyframe(7.1f, 5), 0.99 * kVoxel);  // the oldest keyframe that was not given is forgotten
   CHECK(map.keyframes().size() == 4);
   CHECK(points_at(5.1f, map) == 40);
   for (const float x : {11.1f, 13.1f}) map.insert(keyframe(x, 6), 0.99 * kVoxel);
-  CHECK(map.keyframes().size() == 6);  // of so few new points no old one is forgotten
+  CHECK(map.keyframes().size() == 6);  // so few new points make the map forget no keyframe
   map.found_on({given(9.1f, 4)}, 0.99 * kVoxel);
   CHECK(map.keyframes().size() == 3);
   CHECK(points_at(7.1f, map) == 0);
@@ -112,7 +112,7 @@ TEST_CASE("a map that is founded anew step by step is the one that is founded at
     result.given = id;
     result.map_from_body.translation().x() = 3.0 * id;
     if (!with_points) return result;
-    add_row(0.1f, &result.points);  // of two keyframes a row lies in the same voxels
+    add_row(0.1f, &result.points);  // one row of each of two keyframes is in the same voxels
     add_row(3.1f, &result.points);
     return result;
   };
@@ -140,7 +140,7 @@ TEST_CASE("a map that is founded anew step by step is the one that is founded at
     for (int row = 0; row < 10; ++row) {
       CAPTURE(first);
       CAPTURE(row);
-      // Where the robot itself has seen a voxel, the point that was given stays.
+      // In voxels that the robot itself has seen, too, the given point stays.
       if (row != 2 || first < 3)
         CHECK(points_at(0.1f + 3.0f * static_cast<float>(row), step_by_step) ==
               points_at(0.1f + 3.0f * static_cast<float>(row), at_once));
@@ -175,7 +175,7 @@ TEST_CASE("given keyframes too far from the robot are forgotten, and their point
   double voxel = kVoxel;
   const auto other_voxel = [&] { return voxel = voxel == kVoxel ? 0.99 * kVoxel : kVoxel; };
   for (const float x : {45.0f, 51.0f, 89.0f}) {
-    map.insert(keyframe_at(x), other_voxel());  // then all points are indexed together
+    map.insert(keyframe_at(x), other_voxel());  // after which all points are indexed together
     CAPTURE(x);
     CHECK(points_at(0.1f, map) == (x < 50 ? 40 : 0));
     CHECK(points_at(2.1f, map) == (x < 52 ? 40 : 0));
@@ -199,7 +199,7 @@ TEST_CASE("a map that is loaded is the one that was inserted") {
     add_row(10.1f + static_cast<float>(i), &keyframes[i].points);
     inserted.insert(keyframes[i], i < 5 ? kVoxel : 0.99 * kVoxel);
   }
-  loaded.load({Keyframe{}}, kVoxel);  // is gone
+  loaded.load({Keyframe{}}, kVoxel);  // has no points
   loaded.load(keyframes, 0.99 * kVoxel);
   CHECK(loaded.keyframes().size() == 3);
   CHECK(loaded.keyframes().back().id > loaded.keyframes().front().id);

@@ -8,7 +8,7 @@
 
 namespace scanlock {
 
-/// As of a file that was written over.
+/// Stored points that cannot be read, as of a file that was overwritten.
 class LostPoints : public StoredPoints {
  public:
   std::size_t size() const override { return 36; }

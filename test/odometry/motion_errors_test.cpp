@@ -14,7 +14,7 @@ namespace scanlock {
 namespace {
 
 constexpr double kPeriod = 0.1;        // seconds
-constexpr double kAcceleration = 5.0;  // m/s^2 that the filter allows
+constexpr double kAcceleration = 5.0;  // m/s^2, standard deviation in the filter
 const Matrix6 kAll = Matrix6::Identity();
 
 struct Random {
@@ -28,7 +28,7 @@ struct Random {
   }
 };
 
-/// A robot that moves straight on, and now and then does `share` of what the filter allows it to do.
+/// A robot at constant velocity, with random accelerations whose variance is `share` of that in the filter.
 struct FilteredDrive {
   MotionFilter filter{kAcceleration, 10.0};
   MotionErrors errors;
@@ -48,15 +48,15 @@ struct FilteredDrive {
     return e;
   }
 
-  /// One scan: `data` is its information, of which a residual has the variance `real`, and the filter takes
-  /// it to be `assumed`.
+  /// One scan with the information `data`: residuals have the variance `real`, and the filter assumes
+  /// `assumed`.
   void step(const Matrix12& data, double real, double assumed, double share) {
     step(data, real, assumed, Eigen::Vector3d::Constant(share));
   }
   /// `share`: along x, y and z.
   void step(const Matrix12& data, double real, double assumed, const Eigen::Vector3d& share) {
     const MotionPrior prior = filter.predict(kPeriod);
-    Vector12 part;  // it hardly turns, so that an axis of the body stays one of the world
+    Vector12 part;  // hardly any rotation, so that the axes of the body stay those of the world
     part.head<3>() = share;
     part.segment<3>(3).setConstant(1e-4 * share.maxCoeff());
     part.tail<6>() = part.head<6>();
@@ -69,13 +69,14 @@ struct FilteredDrive {
     ScanAlignment alignment;
     alignment.information = data;
     alignment.scatter = real * data;
-    // Of what the data alone would say; along what they leave open they say nothing.
+    // The error of an alignment by the data alone; small information is added along directions that the data
+    // leave open.
     const Vector12 off = random.of(real * inverse(Matrix12(data + 1e-3 * Matrix12::Identity())));
     Vector12 seen;
     seen << se3_log(prior.mean.pose.inverse() * truth.pose) + off.head<6>(),
         truth.twist - prior.mean.twist + off.tail<6>();
     Vector12 e = seen;
-    for (int round = 0; round < 200; ++round) {  // where both gradients are zero
+    for (int round = 0; round < 200; ++round) {  // iterates to where the sum of both gradients is zero
       const Matrix12 held = prior_weight(e.dot(prior.information * e)) * prior.information;
       e = 0.5 * (e + inverse(Matrix12(data / assumed + held)) * (data / assumed * seen));
     }
@@ -93,7 +94,7 @@ Matrix12 strong_data() {
   return data;
 }
 
-/// Of the pose, over its degrees of freedom: one where the covariance is right.
+/// The mean normalised squared error of the pose per degree of freedom: 1 where the covariance is correct.
 double normalised_error(double assumed, double share) {
   double sum = 0;
   const int drives = trials(120), scans = 60;
@@ -112,7 +113,7 @@ double normalised_error(double assumed, double share) {
   return sum / count;
 }
 
-/// What is told at the end of a drive, the mean over drives.
+/// The estimated shares at the end of a drive, mean over drives.
 Vector6 told_shares(const Eigen::Vector3d& share) {
   Vector6 sum = Vector6::Zero();
   const int drives = 40;
@@ -127,7 +128,7 @@ Vector6 told_shares(const Eigen::Vector3d& share) {
 }  // namespace
 
 TEST_CASE("the share of the acceleration that was there lately is told, of what drives and of what swings") {
-  CHECK(MotionErrors().shares() == Vector6::Ones());  // nothing is known
+  CHECK(MotionErrors().shares() == Vector6::Ones());  // without data
   const Vector6 driven = told_shares({0.5, 0.5, 0.01}), swung = told_shares({0.01, 0.01, 0.5});
   for (const int axis : {0, 1}) {
     CHECK(driven[axis] == doctest::Approx(0.5).epsilon(0.2));
@@ -157,7 +158,7 @@ TEST_CASE("what nothing holds is known less and less") {
   data.row(6).setZero();
   data.col(6).setZero();
   data(0, 0) = data(6, 6) = 1e-9;
-  FilteredDrive drive(3, 0.0);  // what turns is held by what it sees beside it, in the end
+  FilteredDrive drive(3, 0.0);  // no rotation, for that would in time constrain the open direction
   for (int k = 0; k < 5; ++k) drive.step(strong_data(), 1e-3, 1e-3, 0.1);
   const double known = drive.errors.covariance()(0, 0);
   double last = known;

@@ -17,7 +17,7 @@ MovingPose disturbed(const MovingPose& moving, const Vector12& by) {
   return {moving.pose * se3_exp(by.head<6>()), moving.twist + by.tail<6>()};
 }
 
-/// A filter whose state has this covariance, whatever it was told before.
+/// A filter with this state and covariance.
 MotionFilter filter_at(const MovingPose& state, const Matrix12& covariance) {
   MotionFilter filter(5, 10);
   filter.start(state);
@@ -38,7 +38,7 @@ TEST_CASE("the covariance is carried by the derivative of the prediction") {
   const MotionFilter filter = filter_at(state, covariance);
   const MotionPrior predicted = filter.predict(dt);
 
-  // The mean velocity is known: only the state is disturbed.
+  // The mean velocity is fixed: only the state is perturbed.
   Matrix12 derivative;
   for (int k = 0; k < 12; ++k) {
     Vector12 by = Vector12::Zero();
@@ -54,7 +54,8 @@ TEST_CASE("the covariance is carried by the derivative of the prediction") {
   }
   const Matrix12 noise_less = derivative * covariance * derivative.transpose();
   const Matrix12 noise = inverse(predicted.information) - noise_less;
-  // What is left is white noise on the acceleration: dt^3 / 3, dt^2 / 2 and dt of its density, and a floor.
+  // The remaining part is the white noise of the acceleration: its density times dt^3 / 3, dt^2 / 2 and dt,
+  // and a floor.
   for (int k = 0; k < 6; ++k) {
     const double density = (k < 3 ? 25.0 : 100.0) * 0.3, floor = 1e-6;
     CHECK(noise(k, k) == doctest::Approx(density * dt * dt * dt / 3 + floor).epsilon(1e-3));

@@ -39,7 +39,7 @@ TEST_CASE("a planar robot that is found turned has the velocity of that turn") {
 TEST_CASE("a reloaded map holds the nearest keyframes of the new place, and none of the one before") {
   TrackerConfig config;
   config.max_keyframes = 10;
-  config.max_map_points = 14 * 36;  // of which a fifth is for what is fresh
+  config.max_map_points = 14 * 36;  // a fifth of it is reserved for new points
   std::vector<ArchivedKeyframe> archive;
   const std::vector<Eigen::Vector3d> centres = {{0, 0, 0}, {500, 0, 0}, {0, 900, 0}};
   for (const Eigen::Vector3d& centre : centres) {

@@ -15,10 +15,11 @@ using namespace scanlock;
 namespace {
 
 struct Asked {
-  int requests = 0, longest_pause = 0;  ///< of scans, between two
+  int requests = 0, longest_pause = 0;  ///< scans between two requests
 };
 
-/// What a robot at rest asks for in so many scans, when every search finds something, or none does.
+/// The requests for a robot at rest during that many scans, when every search finds a hypothesis, or none
+/// does.
 Asked ask(unsigned scans, bool found, double cost_s = 0) {
   const TrackerConfig config;
   PreparedHall hall(config);
@@ -59,7 +60,7 @@ TEST_CASE("searches take a tenth of a core in the mean, and more at once only wh
           doctest::test_suite("long drives")) {
   for (const double cost_s : {0.1, 0.5, 3.0}) {
     CAPTURE(cost_s);
-    const double spent = cost_s * ask(600, true, cost_s).requests;  // a minute
+    const double spent = cost_s * ask(600, true, cost_s).requests;  // CPU seconds in a minute
     CHECK(spent < 0.1 * 60 + 6 + cost_s);
     CHECK(spent > 0.1 * 60 - cost_s);
   }
@@ -87,7 +88,7 @@ TEST_CASE("a robot that nobody has seen is looked for first where it looks most 
   Excursion excursion(config, 0, hall.scan(0), {});
   KeyframeArchive archive(10000000);
   std::vector<ArchivedKeyframe> places;
-  for (int i = 0; i < 5; ++i) {  // rooms that grow, of which the fourth is the hall
+  for (int i = 0; i < 5; ++i) {  // rooms of increasing size; the fourth is the hall
     Pose there = Pose::Identity();
     there.translation().x() = 1000.0 * i;
     PointCloud room = hall_map();
@@ -114,11 +115,11 @@ TEST_CASE("a robot that nobody has seen is looked for first where it looks most 
   REQUIRE(request);
   CHECK(request->target.centre.x() == 3000);
   REQUIRE(search.take(request->serial, true, false, 0));
-  request = ask_for(101);  // what was found is looked at again
+  request = ask_for(101);  // the part in which a hypothesis was found is searched again
   REQUIRE(request);
   CHECK(request->target.centre.x() == 3000);
   REQUIRE(search.take(request->serial, true, true, 0));
-  request = ask_for(201);  // but little of what was seen is there
+  request = ask_for(201);  // not again, where the part shows little of the source cloud
   REQUIRE(request);
   CHECK(request->target.centre.x() != 3000);
 }

@@ -14,7 +14,7 @@ namespace {
 
 const Eigen::Matrix3f kLevel = Eigen::Matrix3f::Identity();
 
-/// Walls of a rectangle about the sensor, and a floor.
+/// The walls of a rectangle around the sensor, and a floor.
 PointCloud walls(float length, float width) {
   PointCloud cloud;
   for (float t = -1; t < 1; t += 0.01F) {

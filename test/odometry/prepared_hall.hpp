@@ -11,13 +11,13 @@
 
 namespace scanlock {
 
-/// A sensor at rest in the hall of room.hpp, its scans prepared as a tracker does.
+/// A sensor at rest in the hall of room.hpp, with its scans prepared as by a tracker.
 class PreparedHall {
  public:
   explicit PreparedHall(const TrackerConfig& config)
       : config_(config), scale_(config.map_points_per_scan, config.min_voxel_m, config.max_voxel_m) {}
 
-  /// The first one sets the voxel.
+  /// The first scan sets the voxel.
   PreparedScan scan(unsigned i) {
     Scan seen = hall_scan(Pose::Identity(), Vector6::Zero(), 100000 * i, i);
     seen.points.time.clear();
@@ -30,7 +30,7 @@ class PreparedHall {
   VoxelScale scale_;
 };
 
-/// The hall, seen by many rays.
+/// The points of the hall, by 30,000 rays.
 inline PointCloud hall_map() {
   Scan map = hall_scan(Pose::Identity(), Vector6::Zero(), 0, 100, 0.1, 30000);
   map.points.time.clear();

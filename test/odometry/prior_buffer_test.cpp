@@ -53,14 +53,14 @@ TEST_CASE("nothing near the scan is stale and not invented") {
   CHECK(buffer.at(kFirstSample - 10000).absence == Absence::kStale);
   PriorBuffer slow = filled(800000, 3);
   CHECK(slow.at(kFirstSample + 1200000).absence == Absence::kStale);
-  CHECK(slow.at(kFirstSample + 800000).pose);  // exactly there
+  CHECK(slow.at(kFirstSample + 800000).pose);  // exactly at a sample
 }
 
 TEST_CASE("a sensor on another clock is told from a silent one") {
   for (const std::int64_t shift : {3600000000, -3600000000, -3000000L, 3000000L}) {
     CAPTURE(shift);
     PriorBuffer buffer;
-    for (int i = 0; i < 100; ++i) {  // two samples to a scan
+    for (int i = 0; i < 100; ++i) {  // two samples per scan
       const std::int64_t utime = kFirstSample + 50000 * i;
       buffer.add(utime + shift, on_circle(utime));
       if (i % 2 == 0) continue;

@@ -15,8 +15,8 @@ Pose exp6(double x, double y, double z, double rx, double ry, double rz) {
 }
 
 const Pose kMount = exp6(1.2, 0.3, 0.9, 0.2, -0.1, 1.5);
-const Pose kStep = exp6(0.8, 0, 0.01, 0.003, 0.01, 0.05);     // of the body, from scan to scan
-const Pose kBodyAtFirst = exp6(50, -20, 1, 0.02, 0.04, 2.5);  // of the body in its odometry
+const Pose kStep = exp6(0.8, 0, 0.01, 0.003, 0.01, 0.05);     // motion of the body from scan to scan
+const Pose kBodyAtFirst = exp6(50, -20, 1, 0.02, 0.04, 2.5);  // pose of the body in the frame of its odometry
 
 Pose body_at(int scan) {
   Pose pose = kBodyAtFirst;
@@ -28,7 +28,7 @@ PriorSample sample_at(int scan) {
   return {body_at(scan), Eigen::Quaterniond(body_at(scan).linear())};
 }
 
-/// What a tracker reports of the sensor on that body; its map stands where the sensor began.
+/// The tracker's report for the sensor on that body; the map's frame is that of the sensor at the first scan.
 TrackedScan tracked_at(int scan) {
   TrackedScan tracked;
   tracked.utime = 100000 * scan;
@@ -42,7 +42,7 @@ TrackedScan tracked_at(int scan) {
 
 TEST_CASE("motion and attitude are turned from the body to the sensor") {
   PriorJudge judge(kMount);
-  CHECK_FALSE(judge.prior(sample_at(0)).motion);  // no scan before
+  CHECK_FALSE(judge.prior(sample_at(0)).motion);  // there is no scan before
   judge.learn(sample_at(0), tracked_at(0));
   const ScanPrior prior = judge.prior(sample_at(1));
   REQUIRE(prior.motion);
@@ -63,7 +63,7 @@ TEST_CASE("odometry that contradicts is withheld and comes back when it agrees")
   judge.learn(sample_at(0), tracked_at(0));
   int withheld_at = -1;
   Pose wrong = body_at(0);
-  for (int i = 1; i < 12; ++i) {  // the wheels count three times the way
+  for (int i = 1; i < 12; ++i) {  // the wheel odometry reports three times the path
     wrong = wrong * kStep * kStep * kStep;
     const auto sentence = judge.learn({wrong, std::nullopt}, tracked_at(i));
     if (sentence && withheld_at < 0) {

@@ -21,7 +21,7 @@ std::int64_t utime(int i) {
   return 1000000 + 100000 * static_cast<std::int64_t>(i);
 }
 
-/// A sensor that drives a straight line of 1 m/s, is carried away at scan `kidnap`, and drives on there.
+/// A sensor that drives at 1 m/s, is kidnapped to `there` at scan `kidnap`, and drives on from there.
 struct KidnappedDrive {
   int kidnap;
   Pose there;
@@ -36,7 +36,7 @@ struct KidnappedDrive {
   }
 };
 
-/// Tracks a scan and answers what the tracker asks, at once.
+/// Tracks a scan and answers a request of the tracker at once.
 TrackedScan step(FramedTracker& tracker, PlaceFinder& finder, const Scan& scan, const ScanPrior& prior = {}) {
   const TrackedScan tracked = tracker.track(scan, prior);
   if (const auto request = tracker.take_request()) tracker.give(finder.find(*request));
@@ -141,7 +141,8 @@ TEST_CASE("what was seen while the robot was lost is part of the map once it is 
   for (; i < 100 && !back; ++i) {
     const TrackedScan tracked = tracker.track(drive.scan(i));
     back = tracked.recovery && tracked.recovery->accepted;
-    const auto request = i < 80 ? std::nullopt : tracker.take_request();  // it drives 2 m before it is found
+    // The robot drives 2 m before it is found.
+    const auto request = i < 80 ? std::nullopt : tracker.take_request();
     if (request) tracker.give(finder.find(*request));
   }
   REQUIRE(back);
@@ -300,7 +301,7 @@ TEST_CASE("what a finder remembers of other searches changes no answer" *
   RecoveryRequest elsewhere = *request, coarser = *request, turned = *request;
   elsewhere.target.centre += Eigen::Vector3d(5, 0, 0);
   coarser.target.voxel *= 1.35;
-  // The same stamps, another map: a log that was played twice.
+  // The same stamps in another map, as of a log that is played twice.
   for (ArchivedKeyframe& place : turned.target.places)
     place.map_from_body = at(1, 2, 0.5) * place.map_from_body;
   const std::vector<RecoveryRequest> requests{*request, elsewhere, coarser, turned};
@@ -331,7 +332,7 @@ TEST_CASE("a saved map is found again by another run") {
     CHECK(tracked.method != PoseMethod::kIcp);
   }
   REQUIRE(tracked.state == TrackingState::kTracking);
-  CHECK(tracked.epoch == 2);  // one for the loading, one for the finding
+  CHECK(tracked.epoch == 2);  // one epoch for load(), one for the relocalisation
   CHECK(
       (tracked.map_from_body.translation() - (drive.pose(0).inverse() * at(-3, 1, 0)).translation()).norm() <
       4);
@@ -422,7 +423,7 @@ TEST_CASE("odometry that comes with the scans bridges what a velocity cannot") {
     with.track(before.scan(i));
     without.track(before.scan(i));
   }
-  // Blind for a while, in which the robot turns round where it stands.
+  // Without points for a while, in which the robot turns round on the spot.
   Scan blind;
   blind.utime = utime(20);
   const Pose turned = before.pose(19) * at(0.3, 0, 170 * kDegree);

@@ -12,14 +12,15 @@ using namespace scanlock;
 
 namespace {
 
-/// A robot at rest that was set far away, and what a search tells it: that it is at home, or at a rival.
+/// A robot at rest that was kidnapped, and the answers of a search: its true pose, or a rival.
 struct Displaced {
   explicit Displaced(const TrackerConfig& config)
       : hall(config), first(hall.scan(0)), odometer(config), relocation(config) {
     odometer.start(0, first, {});
   }
 
-  /// `rough`: metres that points lie off their surfaces, on both sides. `whole`: not without one corner.
+  /// `rough`: metres by which points lie off their surfaces, on both sides. `whole`: false leaves out one
+  /// corner.
   void remember(const std::vector<Pose>& halls, float rough = 0, bool whole = true) {
     PointCloud map;
     const PointCloud full = hall_map();
@@ -42,14 +43,14 @@ struct Displaced {
     relocation.begin(odometer, std::nullopt, false, archive);
   }
 
-  /// In the map of the halls alone, which has the robot at home.
+  /// Loses the robot in the map of the halls, loaded around the true pose.
   void lose_in(const std::vector<Pose>& halls, float rough = 0, bool whole = true) {
     remember(halls, rough, whole);
     odometer.reload(archive.keyframes(), Eigen::Vector3d::Zero(), first.voxel);
     lose();
   }
 
-  /// False: it was not asked.
+  /// Answers a request by a search that found `place`. False: there was no request.
   bool propose(unsigned i, const std::vector<Pose>& rivals, double log_odds = kBelieved, double voxel = 0.1,
                const Pose& place = Pose::Identity()) {
     const auto request = relocation.take_request(100000 * i, archive, std::nullopt);
@@ -67,7 +68,7 @@ struct Displaced {
     return true;
   }
 
-  /// Until a place is believed, or for four seconds.
+  /// Follows scans until a hypothesis is accepted, or for four seconds.
   Relocation::Outcome follow(const Pose& rival) {
     auto outcome = Relocation::Outcome::kLost;
     bool proposed = false;
@@ -134,7 +135,8 @@ TEST_CASE("two searches on different scales say the same of a place in either or
       CAPTURE(more_first);
       CAPTURE(same_scale);
       Displaced robot(TrackerConfig{});
-      robot.lose_in({Pose::Identity()}, 0.2f);  // so rough that scans speak against it as much as they can
+      // So rough that the scans lower the log odds as much as they can.
+      robot.lose_in({Pose::Identity()}, 0.2f);
       Attempt attempt;
       auto outcome = Relocation::Outcome::kLost;
       int given = 0;
@@ -182,7 +184,8 @@ TEST_CASE("searches that end while a place is being tried speak for and against 
     for (int i = 1; i < 20 && outcome == Relocation::Outcome::kLost; ++i) {
       const auto at = static_cast<unsigned>(i);
       outcome = robot.relocation.follow(100000 * at, 0.1, robot.hall.scan(at), robot.odometer, &attempt);
-      // With its fit the first alone is believed where that is as usual, and not where it is rough.
+      // The log odds of the first search and the scans suffice where the scans fit as usual, and not in a
+      // rough map.
       const double log_odds = given == 0 ? kBelieved - 0.4 * kMostOfScans
                               : against  ? -2 * kMostOfScans
                                          : kBelieved + 1.5 * kMostOfScans;

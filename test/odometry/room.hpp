@@ -15,7 +15,7 @@
 
 namespace scanlock {
 
-/// To the walls, the floor or the ceiling of a hall of 24 x 16 x 5 m.
+/// The range, metres, to the walls, the floor or the ceiling of a hall of 24 x 16 x 5 m.
 inline double walls_range(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
   double nearest = 1e9;
   const Eigen::Vector3d low(-12, -8, -1), high(12, 8, 4);
@@ -45,14 +45,14 @@ inline double hall_range(const Eigen::Vector3d& from, const Eigen::Vector3d& dir
   return nearest;
 }
 
-/// A turn, or a rate of turn, about the z axis alone.
+/// A twist with a rotation, or a rate of rotation, about the z axis only.
 inline Vector6 yaw(double angle) {
   Vector6 xi = Vector6::Zero();
   xi[5] = angle;
   return xi;
 }
 
-/// Metres, radians.
+/// A pose in the plane: metres, radians.
 inline Pose at(double x, double y, double heading) {
   Pose pose = se3_exp(yaw(heading));
   pose.translation() << x, y, 0;
@@ -78,7 +78,7 @@ inline Scan hall_scan(const Pose& pose, const Vector6& twist, std::int64_t utime
   return scan;
 }
 
-/// The same scan with the sensor covered, but for points of which `sees(x, y, z)` holds.
+/// The same scan with the sensor covered, except for points for which `sees(x, y, z)` is true.
 template <class Sees>
 Scan covered(const Scan& scan, const Sees& sees) {
   std::vector<std::uint32_t> seen;
@@ -91,12 +91,12 @@ Scan covered(const Scan& scan, const Sees& sees) {
   return rest;
 }
 
-/// The same scan with what is left of the sensor covered.
+/// The same scan with the left half of the view covered.
 inline Scan half_of(const Scan& scan) {
   return covered(scan, [](float, float y, float) { return !(y > 0); });
 }
 
-/// 250 points of the hall without columns, which looks the same from its other end.
+/// 250 points of the hall without columns, which looks the same after half a turn.
 inline Scan bare_hall_scan(const Pose& pose, std::int64_t utime, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -113,7 +113,7 @@ inline Scan bare_hall_scan(const Pose& pose, std::int64_t utime, unsigned seed) 
   return scan;
 }
 
-/// The same hall, seen by a sensor of one plane with a beam a degree; ranges have noise.
+/// The same hall, seen by a planar sensor with one beam per degree; ranges have noise.
 inline Scan planar_hall_scan(const Pose& pose, const Vector6& twist, std::int64_t utime, unsigned seed) {
   std::mt19937 rng(seed);
   std::normal_distribution<double> noise(0, 0.01);
@@ -130,8 +130,8 @@ inline Scan planar_hall_scan(const Pose& pose, const Vector6& twist, std::int64_
   return scan;
 }
 
-/// A nook of 2.1 x 1.2 m and a step in one of its walls, seen by a planar sensor of 180 degrees that turns on
-/// the spot, five scans a second, and has no times of its beams.
+/// A nook of 2.1 x 1.2 m with a step in one of its walls, seen by a planar sensor of 180 degrees that turns
+/// on the spot: five scans a second, without times of the beams.
 inline Scan nook_scan(double heading, int i) {
   std::mt19937 rng(static_cast<unsigned>(i));
   std::normal_distribution<double> noise(0, 0.01);

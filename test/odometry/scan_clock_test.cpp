@@ -20,7 +20,7 @@ Scan scan_at(std::int64_t utime, bool by_arrival = false) {
   return scan;
 }
 
-/// A clock that has taken `scans` of 10 Hz from kFirstScan on.
+/// A clock that has read `scans` scans of 10 Hz from kFirstScan on.
 ScanClock running(int scans) {
   ScanClock clock;
   for (int i = 0; i < scans; ++i) {
@@ -99,7 +99,8 @@ TEST_CASE("a slow sensor may be slow") {
   ScanClock clock;
   for (int i = 0; i < 5; ++i)
     CHECK(clock.read(scan_at(kFirstScan + 20 * i * kSecond)).verdict == Verdict::kContinues);
-  CHECK(clock.read(scan_at(kFirstScan + 160 * kSecond)).verdict == Verdict::kContinues);  // it missed three
+  // Three scans are missing.
+  CHECK(clock.read(scan_at(kFirstScan + 160 * kSecond)).verdict == Verdict::kContinues);
 }
 
 TEST_CASE("a first stamp that was wrong gives way") {
@@ -126,8 +127,8 @@ TEST_CASE("two clocks that interleave are found out and one of them is followed"
 
 namespace {
 
-/// Seconds: scans taken every 0.2 s, stamped by a process that is busy for 0.3 s every fourth time, and half
-/// a second behind every tenth.
+/// Stamps, seconds, of scans measured every 0.2 s: every fourth stamp is 0.3 s late, and every tenth half a
+/// second early.
 double stamped_s(int i) {
   const double written = 0.2 * i + 0.3 * (i % 4 == 0) + 0.001 * (i % 4);
   return i % 10 == 7 ? written - 0.5 : written;

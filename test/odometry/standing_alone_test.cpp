@@ -15,7 +15,7 @@
 namespace scanlock {
 namespace {
 
-/// The range along an azimuth (radians) at a slope; 0 where nothing is.
+/// The range along an azimuth (radians) at a slope; 0 where the ray hits nothing.
 using Scene = std::function<double(double azimuth, double slope)>;
 
 double wall_range(double x, double azimuth) {
@@ -58,7 +58,7 @@ TEST_CASE("a post before a wall or the sky stands alone, a board that is wide do
         return wall ? wall_range(40, azimuth) : 0.0;
       };
     };
-    // Something else has to show how densely the sensor looks.
+    // The ground shows the angular resolution of the sensor.
     const auto with_ground = [](const Scene& scene) -> Scene {
       return [=](double azimuth, double slope) {
         const double ground = slope < 0 ? -1.8 / slope : 1e9, range = scene(azimuth, slope);
@@ -87,7 +87,7 @@ TEST_CASE("points that lie apart on a surface seen at a grazing angle do not sta
   };
   const PointCloud cloud = spun(side);
   const std::vector<std::uint8_t> alone = alone_of(cloud);
-  CHECK(std::count(alone.begin(), alone.end(), 1) <= 16);  // the last of each beam
+  CHECK(std::count(alone.begin(), alone.end(), 1) <= 16);  // the last point of each beam
 }
 
 TEST_CASE("a sensor that looks at random says nothing of what it does not hit") {

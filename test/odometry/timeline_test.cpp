@@ -30,7 +30,7 @@ Taken take(Timeline* timeline, std::int64_t stamp) {
   return result;
 }
 
-/// Has taken scans at 10 Hz from kFirstStamp on.
+/// A timeline that has taken scans at 10 Hz from kFirstStamp on.
 Timeline started(int scans) {
   Timeline timeline;
   for (int i = 0; i < scans; ++i) CHECK(take(&timeline, kFirstStamp + i * kStampPeriod).taken);

@@ -45,7 +45,7 @@ TrackerConfig tunnel_config() {
   return config;
 }
 
-/// A tunnel 6 m high that begins with a wall, seen by sixteen beams `way(t)` metres along it.
+/// A tunnel 6 m high that begins with a wall, seen by sixteen beams from `way(t)` metres along it.
 template <class Way>
 Scan tunnel_scan(int i, const Way& way, double width = 8) {
   std::mt19937 rng(static_cast<unsigned>(i));
@@ -95,7 +95,7 @@ Scan meadow_scan(int i, double speed, const std::vector<Eigen::Vector2d>& posts)
   return scan;
 }
 
-/// A bridge of 12 m with posts of its railings every 2 m and of lamps every 30 m, over nothing; seen by
+/// A bridge 12 m wide, with railing posts every 2 m and lamp posts every 30 m, and no ground below; seen by
 /// sixteen beams from 1.8 m above its middle, at `speed` m/s.
 Scan bridge_scan(int i, double speed, unsigned seed) {
   std::mt19937 rng(100 * seed + static_cast<unsigned>(i));
@@ -160,7 +160,7 @@ TEST_CASE("a pose gets no worse in a known hall, and worse on the way to where n
   const auto sigma = [](const TrackedScan& tracked) {
     return std::sqrt(tracked.covariance.topLeftCorner<3, 3>().trace());
   };
-  const Drive circles(at(0, -2, 0.1), twist(2.0, 0, 0.8));  // one takes 79 scans
+  const Drive circles(at(0, -2, 0.1), twist(2.0, 0, 0.8));  // one circle takes 79 scans
   FramedTracker hall(TrackerConfig{}, frame);
   double once = 0, squared_error = 0;
   TrackedScan tracked;
@@ -171,7 +171,7 @@ TEST_CASE("a pose gets no worse in a known hall, and worse on the way to where n
     if (i > 5) squared_error += error.dot(inverse(tracked.covariance) * error) / 154;
   }
   CHECK(sigma(tracked) < 1.2 * once);
-  CHECK(squared_error < 12);  // of six degrees of freedom
+  CHECK(squared_error < 12);  // with six degrees of freedom
 
   const std::vector<Eigen::Vector2d> posts = [] {
     std::vector<Eigen::Vector2d> all;
@@ -201,7 +201,7 @@ TEST_CASE("standing still the pose stays where it is") {
 TEST_CASE("a start at rest is taken for one" * doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   constexpr unsigned kStarts = 15;
-  double drift = 0;  // metres in a second: that of the first scan's motion, were there one
+  double drift = 0;  // metres in a second: the effect of a false motion of the first scan
   for (unsigned seed = 0; seed < kStarts; ++seed) {
     FramedTracker tracker(TrackerConfig{}, frame);
     TrackedScan tracked;
@@ -245,7 +245,7 @@ TEST_CASE("a planar sensor is followed in its plane, and what it cannot see is n
     CHECK(error.tail<3>().norm() < 0.5 * kDegree);
     CHECK(std::abs(tracked.map_from_body.translation().z()) < 1e-6);
     if (i == 0) continue;
-    // Of how it accelerates while the first scans are taken nothing is known.
+    // The acceleration during the first scans is not known.
     if (i > 1) CHECK(tracked.state == TrackingState::kTracking);
     if (i > 1) CHECK(tracked.degenerate_axes == (4u | 8u | 16u));  // z, roll, pitch
     CHECK(tracked.covariance.allFinite());
@@ -266,7 +266,7 @@ TEST_CASE("a planar sensor between walls within reach is followed and known") {
     if (i > 0) CHECK(tracked.method == PoseMethod::kIcp);
     known += tracked.state == TrackingState::kTracking;
   }
-  CHECK(known >= 30);  // of 40, the first has no map yet
+  CHECK(known >= 30);  // of 40 scans; the first has no map yet
 }
 
 TEST_CASE("odometry does not lift a planar sensor out of its plane") {
@@ -325,12 +325,11 @@ TEST_CASE("a carried sensor is never reported as tracking a guess and the map fr
   int lost = 0;
   for (int i = 15; i < 20; ++i) {
     Scan scan = hall_scan(at(7, 5, 2.5), Vector6::Zero(), Drive::utime(i), static_cast<unsigned>(i));
-    for (std::size_t k = 0; k < scan.points.size(); ++k)
-      scan.points.x[k] *= 0.4f;  // no place of the map looks like this
+    for (std::size_t k = 0; k < scan.points.size(); ++k) scan.points.x[k] *= 0.4f;  // like nothing in the map
     const TrackedScan tracked = tracker.track(scan);
     CHECK(tracked.state != TrackingState::kTracking);
     CHECK(tracked.method == PoseMethod::kPredicted);
-    lost += tracked.state == TrackingState::kRecovering;  // nobody answers its requests
+    lost += tracked.state == TrackingState::kRecovering;  // its requests are not answered
   }
   CHECK(lost >= 4);
   CHECK(tracker.map().size() == map_points);
@@ -363,7 +362,7 @@ TEST_CASE("who is lost and sees goes on in a new map") {
   CHECK(tracked.state == TrackingState::kTracking);
   CHECK(tracked.method == PoseMethod::kIcp);
   CHECK(tracked.epoch == 1);
-  CHECK(tracked.covariance.trace() < 0.01);  // where it is in the new map, which it has not moved in
+  CHECK(tracked.covariance.trace() < 0.01);  // of the pose in the new map, in which it has not moved
 
   Scan dark;
   dark.utime = Drive::utime(i++);
@@ -371,7 +370,7 @@ TEST_CASE("who is lost and sees goes on in a new map") {
   CHECK(tracked.state == TrackingState::kDegraded);
   CHECK(tracked.method == PoseMethod::kPredicted);
   CHECK(tracker.track(strange(i++), tilted).state == TrackingState::kTracking);
-  CHECK_FALSE(tracker.take_request());  // it is at home there
+  CHECK_FALSE(tracker.take_request());  // its own map is the active one
 }
 
 TEST_CASE("a turn that no robot makes is not believed, however well its scan fits") {
@@ -389,7 +388,7 @@ TEST_CASE("a turn that no robot makes is not believed, however well its scan fit
     CHECK((first.state == TrackingState::kTracking) == (turn < 10));
     TrackedScan last;
     for (int i = 11; i < 20; ++i) last = tracker.track(scan(i, turned));
-    CHECK(last.state == TrackingState::kTracking);  // it is true after all
+    CHECK(last.state == TrackingState::kTracking);  // the turn was real
     CHECK(last.epoch == 0);
     CHECK((start.inverse() * turned).isApprox(last.map_from_body, 0.01));
   }
@@ -404,7 +403,7 @@ TEST_CASE("a robot that turned unseen is believed there once a search or another
     CAPTURE(told);
     FramedTracker tracker(TrackerConfig{}, frame);
     for (int i = 0; i < 10; ++i) tracker.track(stands.scan(i));
-    ScanPrior hints;  // of the first scan after 0.7 s without
+    ScanPrior hints;  // at the first scan after a gap of 0.7 s
     if (told) hints.motion = start.inverse() * turns.pose(16);
     TrackedScan last = tracker.track(turns.scan(16), hints);
     CHECK((last.state == TrackingState::kTracking) == told);
@@ -450,22 +449,23 @@ TEST_CASE("a place beside the way that looks alike is not believed when doors ha
   for (int i = 20; i < 25; ++i)
     CHECK(passed_by->track(scan(i, start, false)).state == TrackingState::kTracking);
 
-  const auto costly = tracker_there();  // straight ahead, but not quite the same
+  const auto costly = tracker_there();  // on the predicted path, but with rough surfaces
   Scan other = scan(20, start, false);
   for (std::size_t k = 0; k < other.points.size(); ++k) {
     const float rough = 1 + 0.0025f * (static_cast<float>(k % 5) - 2);
     for (auto* v : {&other.points.x, &other.points.y, &other.points.z}) (*v)[k] *= rough;
   }
   const TrackedScan first = costly->track(other);
-  CHECK(first.energy_score < 6);  // that alone would do
+  CHECK(first.energy_score < 6);  // the energy alone would be accepted
   CHECK(first.state == TrackingState::kDegraded);
 
   const auto tracker = tracker_there();
   CHECK(tracker->track(scan(20, aside, false)).state == TrackingState::kDegraded);
   for (int i = 21; i < 30; ++i)
     CHECK(tracker->track(scan(i, aside, false)).state == TrackingState::kRecovering);
-  CHECK(tracker->track(scan(30, start, true)).state == TrackingState::kRecovering);  // may be two such doors
-  // A search that finds nothing better leaves it there.
+  // The view may be that of another pair of doors.
+  CHECK(tracker->track(scan(30, start, true)).state == TrackingState::kRecovering);
+  // After a search that finds nothing the expected pose is accepted.
   const std::optional<RecoveryRequest> request = tracker->take_request();
   REQUIRE(request);
   RecoveryAnswer nothing;
@@ -492,7 +492,8 @@ TEST_CASE("what a cover hid does not surprise when it is taken away") {
 }
 
 TEST_CASE("the motion of the first scans is not taken from one that is covered") {
-  // A hand before the sensor leaves a piece of one wall, which looks the same turned about its normal.
+  // A hand before the sensor leaves a piece of one wall visible, which fits at every rotation about its
+  // normal.
   const auto through_fingers = [](float x, float y, float z) {
     return x > 0 && std::abs(y) < 0.2f * x && std::abs(z) < 0.1f * x;
   };
@@ -505,7 +506,7 @@ TEST_CASE("the motion of the first scans is not taken from one that is covered")
       const Scan scan = drive.scan(i);
       const TrackedScan tracked = tracker.track(is_covered ? covered(scan, through_fingers) : scan);
       if (is_covered) CHECK(tracked.state == TrackingState::kInitialising);
-      // Over 0.3 s two scans of a hall fit each other at several speeds.
+      // Two scans of a hall 0.3 s apart fit each other at several speeds.
       if (i > (from == 0 ? to + 1 : to + 5)) CHECK((tracked.twist - twist(2, 0, 0)).norm() < 0.12);
       if (i > (from == 0 ? to + 3 : to + 5)) CHECK(tracked.state == TrackingState::kTracking);
     }
@@ -525,12 +526,13 @@ TEST_CASE("in a tunnel the robot goes on as it came, and says that it does not s
   CHECK(std::abs(tracked.map_from_body.translation().x() - way(10.9)) < 3);
   CHECK(tracked.map_from_body.translation().tail<2>().norm() < 0.5);
   CHECK(tracked.twist[0] == doctest::Approx(speed).epsilon(0.05));
-  CHECK(std::sqrt(tracked.covariance(0, 0)) > 0.3);  // metres: it knows that it does not know
+  CHECK(std::sqrt(tracked.covariance(0, 0)) > 0.3);  // metres: the covariance shows the unknown direction
 }
 
 TEST_CASE("a tunnel that looks another way than the map of it is not taken for another place") {
   const Frame frame = each_frame();
-  const auto way = [](double t) { return 200 + 8 * t; };  // metres: nothing shows the motion
+  // Metres; no surface constrains the motion along the tunnel.
+  const auto way = [](double t) { return 200 + 8 * t; };
   FramedTracker tracker(tunnel_config(), frame);
   tracker.track(tunnel_scan(0, way));
   for (int i = 1; i < 30; ++i) {
@@ -548,7 +550,8 @@ TEST_CASE("a map that begins where the position is not known is uncertain at fir
   TrackerConfig config = tunnel_config();
   config.new_map_after_s = 2;
   FramedTracker tracker(config, frame);
-  const auto way = [](double t) { return 200 + 8 * t; };  // metres: nothing shows the motion
+  // Metres; no surface constrains the motion along the tunnel.
+  const auto way = [](double t) { return 200 + 8 * t; };
   for (int i = 0; i < 15; ++i) tracker.track(tunnel_scan(i, way));
   const Drive hall(at(-6, -1, 0), twist(1, 0, 0));
   TrackedScan tracked;
@@ -575,7 +578,7 @@ TEST_CASE("a pose that is told ends the uncertainty of a map that began where th
 }
 
 TEST_CASE("a robot that knew where it stood, but not its heading, looks for its place when it is lost") {
-  const auto silo = [](int k, int points) {  // seen from its middle, the same in all headings
+  const auto silo = [](int k, int points) {  // seen from its middle: all headings fit
     std::mt19937 random(static_cast<unsigned>(k));
     std::uniform_real_distribution<double> uniform(-1, 1);
     Scan scan{Drive::utime(k), {}};
@@ -592,7 +595,8 @@ TEST_CASE("a robot that knew where it stood, but not its heading, looks for its 
   const Frame frame = each_frame();
   FramedTracker tracker(TrackerConfig{}, frame);
   TrackedScan tracked;
-  for (int i = 0; i < 40; ++i) tracked = tracker.track(silo(i, i < 20 ? 1500 : 100));  // then it is covered
+  // Covered from scan 20 on.
+  for (int i = 0; i < 40; ++i) tracked = tracker.track(silo(i, i < 20 ? 1500 : 100));
   REQUIRE(tracked.degenerate_axes == 0b100000);
   const Drive hall(at(-6, -1, 0), twist(1, 0, 0));
   for (int i = 40; i < 45; ++i) tracked = tracker.track(hall.scan(i));
@@ -601,7 +605,7 @@ TEST_CASE("a robot that knew where it stood, but not its heading, looks for its 
 
 TEST_CASE("in a tunnel odometry says how far the robot went" * doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
-  // It brakes where nothing shows it, and stands.
+  // It brakes where no surface constrains the motion along the tunnel, and then stands.
   const auto way = [](double t) {
     const double braking = std::clamp(t - 6.5, 0.0, 4.0);
     return (t < 4 ? t * t : 16 + 8 * (std::min(t, 6.5) - 4)) + 8 * braking - braking * braking;
@@ -621,14 +625,14 @@ TEST_CASE("in a tunnel odometry says how far the robot went" * doctest::test_sui
 TEST_CASE("a scan of which the map knows little is tracked, and said to be so" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
-  // Not every one is: from many starts six in ten are, and most of those robots are well again soon. Which
-  // they are hangs on the last bits of the points.
+  // Not every such scan is tracked: from many starts six in ten are, and most of these robots track again
+  // soon. Which ones depends on the last bits of the points.
   int met = 0, back = 0;
   for (int start = 0; start < 12; ++start) {
     const Drive drive(at(0.25 * start, 0, 0), twist(1, 0, 0));
     FramedTracker tracker(TrackerConfig{}, frame);
     tracker.track(drive.scan(0));
-    Scan crowd = drive.scan(1);  // all about the sensor, but for a quarter of the rays
+    Scan crowd = drive.scan(1);  // all around the sensor, except for a quarter of the rays
     for (std::size_t i = 0; i < crowd.points.size(); ++i) {
       if (i % 4 == 0) continue;
       const float nearer = 0.4f + 0.04f * static_cast<float>(i % 11);

@@ -37,14 +37,14 @@ TEST_CASE(
   covariance.diagonal() << 1e-6, 0.1, 1e-6, 1e-8, 1e-8, 1.0;
   CHECK(unknown_axes(covariance, 0x3f) == 0b100010u);
   CHECK(unknown_axes(covariance, 0b011111) == 0b000010u);
-  // Each axis alone keeps within 0.05 m in 99 cases of a hundred, the three together do not.
+  // Each axis alone is within 0.05 m with a probability of 99 %, the three together are not.
   covariance.diagonal() << 0.0187 * 0.0187, 0.0186 * 0.0186, 0.0186 * 0.0186, 1e-8, 1e-8, 1e-8;
   CHECK(unknown_axes(covariance, 0x3f) == 0b000001u);
   covariance.topLeftCorner<3, 3>() *= 0.5;
   CHECK(unknown_axes(covariance, 0x3f) == 0u);
   covariance(0, 0) = std::numeric_limits<double>::quiet_NaN();
   CHECK((unknown_axes(covariance, 0x3f) & 1u) == 1u);
-  // Another promise than that of TRACKING: 0.1 m is known to within 0.5 m.
+  // With wider bounds than those of TRACKING: a standard deviation of 0.1 m is within 0.5 m.
   covariance = Matrix6::Zero();
   covariance(0, 0) = 0.1 * 0.1;
   CHECK(unknown_axes(covariance, 0x3f) == 1u);

@@ -16,7 +16,7 @@ TEST_CASE("an index of voxels is a map, also after points are gone and others ha
   std::uint32_t points = 0;
   for (int round = 0; round < 6; ++round) {
     CAPTURE(round);
-    for (int i = 0; i < 30000; ++i) {  // near each other, as in a scene: runs of slots are long
+    for (int i = 0; i < 30000; ++i) {  // near each other, as in a scene, so that runs of slots are long
       const std::uint64_t key = random() % 200000;
       const auto [at, is_new] = judge.insert({key, points});
       CHECK(index.insert(key, points) == at->second);

@@ -26,7 +26,7 @@ inline Vector6 accelerated(const std::vector<Vector6>& g, const std::vector<Vect
   return g[at(k)] - g_steps * theta;
 }
 
-/// The k-th of a list that grows as k does.
+/// Element k of a list, which grows where it is shorter.
 template <typename Value>
 Value& at(std::vector<Value>& list, int k) {
   if (list.size() <= static_cast<std::size_t>(k)) list.resize(static_cast<std::size_t>(k) + 1);

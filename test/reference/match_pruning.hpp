@@ -35,7 +35,7 @@ struct Pruned {
   int lower_bound = 0;      // E
 };
 
-/// Algorithm 3. The lower bound is evaluated over C, of which its C' has all inliers of any optimum.
+/// Algorithm 3. The lower bound is evaluated over C; C' has all inliers of any optimum over C.
 inline Pruned match_pruning(const Matches& matches, double epsilon) {
   Pruned result;                                               // line 1
   for (std::size_t k = 0; k < matches.size(); ++k) {           // 2

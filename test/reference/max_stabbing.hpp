@@ -34,8 +34,8 @@ inline std::optional<Interval> angle_interval(const Eigen::Vector3d& p, const Ei
   return Interval(omega - gamma, omega + gamma);  // 6
 }
 
-/// As section 4.1 says: what reaches beyond [0, 2 pi] in two, and where an interval has an end at one of 0
-/// and 2 pi, which are one angle, the other of them too (figure 5).
+/// By section 4.1: an interval that extends beyond [0, 2 pi] is split in two, and where an interval has an
+/// end at 0 or 2 pi, which are the same angle, the other of the two is added (figure 5).
 inline std::vector<Interval> within_a_turn(Interval interval) {
   const double width = interval.second - interval.first;
   double start = std::fmod(interval.first, 2 * kPi);
@@ -52,7 +52,7 @@ struct Stabbing {
   double theta = 0;
 };
 
-/// Algorithm 5, of intervals within [0, 2 pi].
+/// Algorithm 5, for intervals within [0, 2 pi].
 inline Stabbing max_stabbing(const std::vector<Interval>& intervals) {
   std::vector<std::pair<double, int>> v;  // line 1
   for (const Interval& interval : intervals) {

@@ -96,8 +96,8 @@ inline Pose robust_point_icp(const Points& p, const Points& q, const Pose& start
       at(q_hat, k + 1) = closest(at(t, k + 1));                          // 23
       ++k;                                                               // 24
     }
-    // Correction: after the last iteration of line 7 the print goes on with a T^(k) whose energy nobody has
-    // compared; the one before it is the last that was.
+    // Correction: after the last iteration of line 7 the print goes on with a T^(k) whose energy was not
+    // compared; here the T before it is used, the last that was.
     if (k - k_start > options.most_iterations) --k;
     if (nu == options.nu_min) return at(t, k);  // 26
     nu = std::max(nu / 2, options.nu_min);      // 27

@@ -19,15 +19,15 @@ struct Cube {
   bool operator<(const Cube& other) const { return bound < other.bound; }
 };
 
-/// What a search found: the largest consensus, its translation and angle.
+/// The result of a search: the largest consensus, its translation and angle.
 struct Consensus {
   int count = 0;
   Eigen::Vector3d t = Eigen::Vector3d::Zero();
   double theta = 0;
 };
 
-/// A cube that holds every translation with an inlier (line 1 of algorithm 2 asks for one): |t - q_i| is at
-/// most |p_i| + epsilon.
+/// A cube that contains every translation with an inlier (line 1 of algorithm 2 requires one): |t - q_i| is
+/// at most |p_i| + epsilon.
 inline Cube initial_cube(const Matches& matches, double epsilon) {
   Eigen::Array3d low = Eigen::Array3d::Constant(1e9), high = -low;
   for (const Match& match : matches) {
@@ -38,8 +38,8 @@ inline Cube initial_cube(const Matches& matches, double epsilon) {
   return {0, 0.5 * (low + high), 0.5 * (high - low).maxCoeff()};
 }
 
-/// Throws std::runtime_error after `most_cubes`: where matches touch to within rounding the print need not
-/// end.
+/// Throws std::runtime_error after `most_cubes`: where bounds of matches coincide up to rounding the printed
+/// algorithm may not end.
 inline Consensus translation_search(const Matches& matches, double epsilon, int most_cubes) {
   if (matches.empty()) return {};
   const auto bounded = [&](Cube cube) {  // lemma 1: d_S is half of the diagonal

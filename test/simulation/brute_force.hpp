@@ -33,7 +33,7 @@ inline double march_to_ground(const Terrain& terrain, const Ray& ray, double max
   return max_range;
 }
 
-/// Every shape is tried, without the grid.
+/// Casts a ray against every shape, without the grid.
 inline Hit cast_at_all(const Scene& scene, const Ray& ray, double max_range, std::uint64_t seed) {
   Hit hit;
   hit.range = max_range;

@@ -14,7 +14,7 @@ using namespace scanlock;
 
 namespace {
 
-/// Of the boxes of a world the share that stands in the other one, too.
+/// The share of the boxes of one world that are also in the other.
 double shared_boxes(const World& a, const World& b) {
   const auto less = [](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
     return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
@@ -65,7 +65,7 @@ TEST_CASE("changes - what was moved is as much as asked for, and the rest stands
       CHECK(same_route(changed, make_world(kind, 4, visit_of(0))));
     }
     CHECK(last > 0.3);  // walls, doors, houses and pavements
-    // Of what all moved leaves nothing of, a third leaves two thirds.
+    // Of the boxes that all move at 1.0, about 0.3 move at 0.3.
     const double third = shared_boxes(world, make_world(kind, 4, visit_of(0.3)));
     CHECK(1 - third == doctest::Approx(0.3 * (1 - last)).epsilon(0.2));
   }

@@ -75,7 +75,7 @@ TEST_CASE("drive - one that starts in motion has that speed at once and brakes t
       CHECK(std::abs(speed(0.1) - start) < 0.05 * start + 0.3);
       double hardest = 0;  // m/s^2
       for (double t = 0; t < 29; t += 0.1) hardest = std::max(hardest, (speed(t) - speed(t + 0.5)) / 0.5);
-      CHECK(hardest < 8);  // corners that are cut at speed are shorter than the route
+      CHECK(hardest < 8);  // cutting corners makes the path shorter than the route
       CHECK(speed(29) < std::max(start - 20 * world.style.brake, world.style.fast_mps + 1));
     }
   }
@@ -114,7 +114,7 @@ TEST_CASE("drive - a kidnap carries the sensor 3 to 15 m onto ground already dri
     const Eigen::Vector3d to = drive.piece(before + 1).pose(t).translation();
     CHECK((to - from).norm() > 2.8);
     CHECK((to - from).norm() < 15.2);
-    double nearest = HUGE_VAL;  // to where it has been
+    double nearest = HUGE_VAL;  // distance to earlier positions
     for (double past = 0; past < t; past += 0.01)
       nearest = std::min(nearest, (drive.piece(0).pose(past).translation() - to).norm());
     CHECK(nearest < 0.3);

@@ -26,7 +26,8 @@ SimulationConfig laps_of(WorldKind world, int laps, std::uint64_t seed = 5) {
   return config;
 }
 
-/// The nearest distance from p to the poses at the given times, and the heading there against `heading`.
+/// The smallest distance of a pose to the poses of the drive from `from` to `to` (seconds), and the
+/// difference of headings there.
 struct Meeting {
   double distance = HUGE_VAL, turned = 0;
 };
@@ -42,7 +43,7 @@ Meeting nearest(const Drive& drive, const Pose& pose, double from, double to) {
   return best;
 }
 
-/// When the drive has come so far.
+/// The time, seconds, at which the drive has covered a distance.
 double time_at(const Simulator& simulator, double distance_m) {
   double t = 0;
   while (t < simulator.seconds() && simulator.drive().distance(t) < distance_m) t += 0.05;
@@ -57,7 +58,7 @@ bool sees(const Scene& scene, const Eigen::Vector3d& from, const Eigen::Vector3d
   return !hit.found;
 }
 
-/// Whether an upright body of this radius, from 0.3 m to 1 m above the floor, stands in a box or a cylinder.
+/// Whether an upright body of this radius, from 0.3 m to 1 m above the floor, intersects a box or a cylinder.
 bool collides(const Scene& scene, const Eigen::Vector3d& sensor, double ground, double radius) {
   const auto within = [&](double low, double high) { return low < ground + 1 && high > ground + 0.3; };
   for (const Box& box : scene.boxes()) {
@@ -85,7 +86,7 @@ TEST_CASE("laps - a closed lap has no corner, nor one where it closes") {
   world.style = style_of(WorldKind::kIndoor);
   set_laps(world, lap, 2, {0, 5}, random);
   CHECK(world.laps_end_m == doctest::Approx(2 * lap.length() + kBeyondLap).epsilon(1e-3));
-  CHECK(world.route.length() > world.laps_end_m + 25);  // room for the car before our own
+  CHECK(world.route.length() > world.laps_end_m + 25);  // room for the car ahead of the robot
   double tightest = 0;
   for (double s = 0; s < world.route.length(); s += 0.05)
     tightest = std::max(tightest, std::abs(world.route.curvature(s)));
@@ -191,7 +192,7 @@ TEST_CASE("laps - seconds end a drive of laps where they come first, and events 
   config.seconds = 3000;
   CHECK(Simulator(config).seconds() == lap_s);
   config.seconds.reset();
-  config.events = {parse_event("shake@100+2")};  // beyond the minute of a drive without laps
+  config.events = {parse_event("shake@100+2")};  // later than the 60 s of a drive without laps
   CHECK(Simulator(config).seconds() == lap_s);
   config.events = {parse_event("shake@1000+2")};
   CHECK_THROWS_AS(Simulator{config}, std::invalid_argument);

@@ -67,7 +67,7 @@ SimulatedScan fastest_turn(Simulator& simulator) {
   return fastest;
 }
 
-/// Of all poses and points.
+/// A hash of all poses and points.
 std::uint64_t hash_of(const SimulationConfig& config) {
   BitHash hash;
   for (const SimulatedScan& simulated : all_scans(config)) {
@@ -93,7 +93,8 @@ TEST_CASE("simulator - the true motion puts the points of a turning scan on the 
     const double begin = scan.time_s - (stamp_at_end ? 0.1 : 0);
     const auto exact = surface_distances(simulator, scan, begin, true);
     const auto distorted = surface_distances(simulator, scan, begin, false);
-    CHECK(quantile(exact, 0.95) < 0.0012);  // half of the 2 mm step of ranges; the rest may be people
+    // Half of the 2 mm step of ranges; other points may be on moving people.
+    CHECK(quantile(exact, 0.95) < 0.0012);
     CHECK(quantile(distorted, 0.5) > 0.02);
     const auto [first, last] =
         std::minmax_element(scan.scan.points.time.begin(), scan.scan.points.time.end());
@@ -110,7 +111,7 @@ TEST_CASE("simulator - noise has the size asked for") {
   const auto noisy = all_scans(config);
   std::vector<double> errors;
   for (std::size_t k = 0; k < clean.size(); ++k) {
-    std::size_t j = 0;  // the same beams, but for those that the range limits let through only once
+    std::size_t j = 0;  // the same beams, except those that are within the range limits in one of both only
     for (std::size_t i = 0; i < clean[k].scan.points.size(); ++i) {
       const float t = clean[k].scan.points.time[i];
       while (j < noisy[k].scan.points.size() && noisy[k].scan.points.time[j] < t) ++j;
@@ -144,7 +145,7 @@ TEST_CASE("simulator - the same seed gives the same scans for any number of thre
 }
 
 TEST_CASE("simulator - worlds, routes and noise are the same bits with every compiler on every machine") {
-  // All that draws random numbers is in one of these: a mid360 sees the whole of what is near.
+  // Together these cover all code that draws random numbers: a mid360 sees everything nearby.
   struct Expected {
     WorldKind world;
     std::optional<int> laps;
@@ -179,7 +180,7 @@ TEST_CASE("simulator - every lidar in every world sees something, finite and wit
       CAPTURE(static_cast<int>(lidar));
       const PointCloud& points = scan->scan.points;
       if (lidar != LidarKind::kPlanar)
-        CHECK(points.size() > 500);  // a plane over a field sees hardly anything
+        CHECK(points.size() > 500);  // a planar sensor above a field has hardly any returns
       CHECK(points.has_times());
       CHECK(points.has_intensity());
       bool good = true;
@@ -195,7 +196,7 @@ TEST_CASE("simulator - every lidar in every world sees something, finite and wit
 
 TEST_CASE("simulator - the rosette leaves no gap, and does not come back to itself turned") {
   const LidarModel mid360 = LidarModel::of(LidarKind::kMid360);
-  // Where its lines cross the height of 20 degrees, in degrees.
+  // The azimuths, degrees, at which its scan lines cross the elevation of 20 degrees.
   const auto crossings = [&](std::int64_t scan) {
     std::vector<double> azimuths;
     double before = 0;
