@@ -21,8 +21,8 @@ struct Step {
   double metres_off() const { return (tracked.map_from_body.translation() - truth.translation()).norm(); }
 };
 
-/// A drive with a vlp16, through rooms unless another world is given; searches are answered at once. From 14
-/// s on stamps are `clock_step` microseconds off.
+/// A drive with a vlp16, through rooms unless another world is given; searches are answered at once. Stamps
+/// from 14 s on are `clock_step` microseconds off.
 std::vector<Step> simulated_drive(double seconds, std::uint64_t seed, const std::vector<const char*>& events,
                                   std::int64_t clock_step = 0, WorldKind world = WorldKind::kIndoor,
                                   double until_s = 1e9) {
