@@ -26,13 +26,13 @@ inline double double_of(std::uint64_t bits) {
   return x;
 }
 
-/// x without the last 27 of its 53 digits: the product of two such numbers is exact.
+/// x without the last 27 of its 53 binary digits: the product of two numbers of this form is exact.
 inline double upper_half(double x) {
   return double_of(bits_of(x) & ~std::uint64_t{(1u << 27) - 1});
 }
 
-/// Added to x, |x| < 2^51, it leaves no digits but those of the nearest integer, and has them in its last
-/// bits.
+/// The sum x + kRounder, for |x| < 2^51, is rounded to an integer: the last bits of the sum are those of the
+/// integer nearest to x.
 inline constexpr double kRounder = 6755399441055744.0;  // 1.5 * 2^52
 
 inline double nearest_integer(double x) {

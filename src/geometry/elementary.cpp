@@ -11,12 +11,13 @@ namespace scanlock {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kAddsNothing = 0x1p-54;  // below it 1 + x is 1
+constexpr double kAddsNothing = 0x1p-54;  // for |x| below it, 1 + x rounds to 1
 
-// Every polynomial here is minimax on its interval (Remez's exchange in 60 digits, then rounded to double),
-// evaluated in an order that leaves the processor several sums at a time.
+// Every polynomial in this file is minimax on its interval (Remez's exchange in 60 digits, then rounded to
+// double), and is evaluated in an order in which the processor can compute several sums in parallel.
 
-// ln 2 in two parts: products of the first with an exponent (11 bits) are exact. 1 / ln 2 likewise.
+// ln 2 as the sum of two parts: the product of the first part with an exponent (11 bits) is exact. 1 / ln 2
+// likewise.
 constexpr double kLn2 = 0x1.62e42fefa2p-1, kLn2Rest = 0x1.9ef35793c7673p-41;
 constexpr double kPerLn2 = 0x1.71547652b82fep+0;
 constexpr double kPerLn2Upper = 0x1.715476p+0, kPerLn2Rest = 0x1.4ae0bf85ddf44p-26;
@@ -41,7 +42,7 @@ Exponential exponential(double r, double rest) {
   return {r, z * (0.5 + r * p) + rest};
 }
 
-/// The same of x - k ln 2, for the k nearest to x / ln 2.
+/// exponential() of x - k ln 2, where k is the integer nearest to x / ln 2.
 Exponential exponential_beyond(double x, double k) {
   const double upper = x - k * kLn2, lower = k * kLn2Rest;
   const double r = upper - lower;
@@ -72,8 +73,8 @@ Split split(double x) {
 }
 
 /// f - log(1 + f). With s = f / (2 + f), log(1 + f) = log((1 + s) / (1 - s)) = 2 s + s^3 R(s^2), and 2 s is
-/// f - f^2/2 + s f^2/2; the polynomial is the minimax one of R. Error: 2^-59 of log(1 + f), and rounding of
-/// what is at most a fifth of it.
+/// f - f^2/2 + s f^2/2; the polynomial is the minimax one of R. Error: 2^-59 of log(1 + f), plus the rounding
+/// of f - log(1 + f), which is at most a fifth of log(1 + f).
 double below_linear(double f) {
   const double s = f / (2.0 + f), z = s * s, z2 = z * z, half = 0.5 * f * f;
   const double a = 0x1.5555555555592p-1 + 0x1.999999997fd36p-2 * z;
@@ -82,7 +83,7 @@ double below_linear(double f) {
   return half - s * (half + z * ((a + z2 * b) + z2 * z2 * (c + z2 * 0x1.2f07081a33cc7p-3)));
 }
 
-/// k ln 2 + log(1 + f) + more, `more` far below the rest.
+/// k ln 2 + log(1 + f) + more, where |more| is much smaller than the other terms.
 double logarithm(double k, double f, double more) {
   const double below = below_linear(f);
   if (k == 0) return f - (below - more);
@@ -91,7 +92,7 @@ double logarithm(double k, double f, double more) {
   return sum + (lost - (below - (k * kLn2Rest + more)));
 }
 
-/// What a logarithm has outside of (0, infinity).
+/// The logarithm of an x outside of (0, infinity): -infinity at 0, infinity at infinity, else NaN.
 double logarithm_outside(double x) {
   return x == 0 ? -kInfinity : x > 0 ? x : kNan;
 }
@@ -103,21 +104,21 @@ bool has_logarithm(double x) {
 }  // namespace
 
 double exp(double x) {
-  const double bounded = x > 710.0 ? 710.0 : x < -746.0 ? -746.0 : x;  // beyond: infinity, or 0
+  const double bounded = x > 710.0 ? 710.0 : x < -746.0 ? -746.0 : x;  // the result is infinity, or 0, there
   const double k = nearest_integer(bounded * kPerLn2);
   const Exponential e = exponential_beyond(bounded, k);
   return scaled(1.0 + (e.r + e.tail), k);
 }
 
 double expm1(double x) {
-  if (std::abs(x) < kAddsNothing) return x;  // and -0
+  if (std::abs(x) < kAddsNothing) return x;  // keeps the sign of -0
   if (x < -40.0) return -1.0;
   const double bounded = x > 710.0 ? 710.0 : x;
   const double k = nearest_integer(bounded * kPerLn2);
   const Exponential e = exponential_beyond(bounded, k);
   if (k == 0) return e.r + e.tail;
   if (k > 60) return scaled(1.0 + (e.r + e.tail), k);
-  // 2^k (1 + r + tail) - 1, with what the first sum loses.
+  // 2^k (1 + r + tail) - 1; `lost` is the rounding error of the first sum.
   const double scale = power_of_two(k), one_less = k <= 53 ? scale - 1.0 : scale;
   const double sum = one_less + scale * e.r;
   const double lost = (one_less - sum) + scale * e.r;
@@ -127,7 +128,7 @@ double expm1(double x) {
 double exp2(double x) {
   const double bounded = x > 1025.0 ? 1025.0 : x < -1077.0 ? -1077.0 : x;
   const double k = nearest_integer(bounded), r = bounded - k;
-  // r ln 2 = product + rest, the product exact.
+  // r ln 2 = product + rest, where the product is exact.
   const double upper = upper_half(r), product = upper * upper_half(kLn2);
   const double rest = upper * ((kLn2 - upper_half(kLn2)) + kLn2Rest) + (r - upper) * (kLn2 + kLn2Rest);
   const double sum = product + rest;
@@ -168,7 +169,7 @@ double hypot(double x, double y) {
   const double scale = a > 0x1p500 ? 0x1p-600 : a < 0x1p-400 ? 0x1p600 : 1.0;
   const double p = a * scale, q = b * scale;
   const double root = std::sqrt(p * p + q * q);
-  // What the root's square differs from the sum of the squares, each as upper^2 + (lower) (whole + upper).
+  // The difference p^2 + q^2 - root^2, with each square as upper^2 + (whole - upper) (whole + upper).
   const double pu = upper_half(p), qu = upper_half(q), ru = upper_half(root);
   const double squares = (pu * pu - ru * ru) + qu * qu;
   const double rest = (p - pu) * (p + pu) - (root - ru) * (root + ru) + (q - qu) * (q + qu);

@@ -4,15 +4,15 @@
 
 namespace scanlock {
 
-// The elementary functions of everything that poses and messages depend on. Those of the C library round
-// differently between libraries, and in one library between processors (glibc takes another variant where
-// there is FMA). These are made of +, -, *, / and sqrt alone, which IEEE 754 rounds in one way, so their bits
-// are the same on every processor, compiler and library. It takes -ffp-contract=off, rounding to nearest and
-// subnormal numbers, as programs have them unless they ask for something else.
+// The elementary functions for all computations that poses and messages depend on. The functions of the C
+// library round differently between libraries, and within one library between processors (glibc has separate
+// variants for processors with FMA). The functions below use only +, -, *, / and sqrt, whose rounding
+// IEEE 754 defines, so their results are equal to the bit on every processor, compiler and library. This
+// requires -ffp-contract=off, and rounding to nearest and subnormal numbers, which are a program's defaults.
 //
-// Errors are in units in the last place (ulp) of the result: bounds on the largest that 3e7 random arguments
-// of each range in test/geometry/elementary_test.cpp showed against long double; 1 ulp for results that are
-// subnormal. NaN gives NaN, and so does what is outside the domain.
+// Errors are in units in the last place (ulp) of the result: upper bounds on the largest error against long
+// double over 3e7 random arguments of each range in test/geometry/elementary_test.cpp; 1 ulp for subnormal
+// results. The result is NaN for NaN and for arguments outside the domain.
 
 double exp(double x);    ///< 0.9 ulp
 double expm1(double x);  ///< e^x - 1; 1.1 ulp
@@ -24,8 +24,9 @@ double log2(double x);   ///< 1.2 ulp, exact for powers of two
 struct SineCosine {
   double sine, cosine;
 };
-/// Radians; 0.95 ulp up to 2^20. Larger arguments are taken modulo the double next to 2 pi, an error below
-/// that of their own rounding; the result stays within [-1, 1]. NaN for infinity.
+/// Radians; 0.95 ulp for arguments up to 2^20. Larger arguments are reduced modulo the double nearest to
+/// 2 pi, which causes an error below the rounding error of the argument itself; the result stays within
+/// [-1, 1]. NaN for infinity.
 double sin(double x);
 double cos(double x);
 SineCosine sincos(double x);
@@ -33,9 +34,9 @@ SineCosine sincos(double x);
 double asin(double x);             ///< 0.7 ulp
 double acos(double x);             ///< 0.7 ulp
 double atan2(double y, double x);  ///< in [-pi, pi], zeros and infinities as in IEEE 754; 0.9 ulp
-double hypot(double x, double y);  ///< 0.51 ulp, without overflow or underflow on the way
+double hypot(double x, double y);  ///< 0.51 ulp, without overflow or underflow of intermediate values
 
-// In float: through double, hence correctly rounded but for one result in about 10^8.
+// Float variants: computed in double, hence correctly rounded except for about one result in 10^8.
 inline float sin(float x) {
   return static_cast<float>(sin(static_cast<double>(x)));
 }

@@ -10,7 +10,7 @@
 namespace scanlock {
 namespace {
 
-constexpr double kSquareAddsNothing = 0x1p-27;  // of its square, half is lost beside 1
+constexpr double kSquareAddsNothing = 0x1p-27;  // for |x| below it, 1 - x^2 / 2 rounds to 1
 constexpr double kHalfPi = 0x1.921fb54442d18p+0, kHalfPiRest = 0x1.1a62633145c07p-54;
 
 // ---- sine and cosine: x = quadrant pi/2 + r + rest with |r| <= pi/4 ---------------------------------------
@@ -20,7 +20,7 @@ struct Turn {
   std::uint64_t quadrant;  ///< modulo 4
 };
 
-/// Adds to *sum; what is lost goes to *rest. For numbers of any size.
+/// Adds term to *sum, and the rounding error of that addition to *rest. For numbers of any size.
 void add(double term, double* sum, double* rest) {
   const double before = *sum, after = before + term, added = after - before;
   *rest += (before - (after - added)) + (term - added);
@@ -29,10 +29,11 @@ void add(double term, double* sum, double* rest) {
 
 Turn turn_of(double x) {
   constexpr double kPerHalfPi = 0x1.45f306dc9c883p-1;
-  // pi / 2 in parts of 33 bits: products with a quadrant (20 bits) are exact. 2^-156 are left.
+  // pi / 2 as a sum of parts of 33 bits, whose products with a quadrant (20 bits) are exact. The error of the
+  // sum is 2^-156.
   constexpr double kPart[] = {0x1.921fb544p+0, 0x1.0b4611a6p-34, 0x1.3198a2ep-69, 0x1.b839a252049c1p-104};
   if (std::abs(x) <= 0.5 * kHalfPi) return {x, 0.0, 0};
-  if (std::abs(x) > 0x1p20) x = std::remainder(x, 2 * kPi);  // exact, as IEEE 754 has it
+  if (std::abs(x) > 0x1p20) x = std::remainder(x, 2 * kPi);  // exact by IEEE 754
   const double shifted = x * kPerHalfPi + kRounder, k = shifted - kRounder;
   double sum = x - k * kPart[0], rest = 0.0;
   add(-k * kPart[1], &sum, &rest);
@@ -42,7 +43,8 @@ Turn turn_of(double x) {
   return {r, (sum - r) + rest, bits_of(shifted) & 3};
 }
 
-// Both polynomials are minimax ones, relative errors 2^-56 and 2^-59, rounding of the coefficients included.
+// Minimax polynomials of sine and cosine; relative errors 2^-56 and 2^-59, including the rounding of the
+// coefficients.
 double sine(double r, double rest) {
   const double z = r * r, z2 = z * z;
   const double a = -0x1.5555555555548p-3 + 0x1.111111110f7cap-7 * z;
@@ -95,7 +97,7 @@ double arctangent_excess(double u) {
   return u * (z * (a + z2 * (b - z2 * 0x1.70bf3944cd6cap-4)));
 }
 
-/// atan(i / 16): the double next to it and the rest.
+/// atan(i / 16): the nearest double and the remainder.
 constexpr double kArctangent[][2] = {
     {0x0p+0, 0x0p+0},
     {0x1.ff55bb72cfdeap-5, -0x1.c934d86d23f1dp-60},
@@ -130,7 +132,7 @@ Arctangent arctangent(double a, double b) {
   a *= scale;
   b *= scale;
   const double upper = upper_half(b), lower = b - upper;
-  if (ratio < 0x1p-4) {  // what the division loses counts
+  if (ratio < 0x1p-4) {  // the rounding error of the division matters
     const double first = upper_half(ratio), second = ratio - first;
     const double lost = ((a - first * upper) - first * lower - second * upper) - second * lower;
     return {0, ratio, arctangent_excess(ratio) + lost / b};
@@ -144,7 +146,7 @@ Arctangent arctangent(double a, double b) {
 }  // namespace
 
 double sin(double x) {
-  if (std::abs(x) < kSquareAddsNothing) return x;  // and -0
+  if (std::abs(x) < kSquareAddsNothing) return x;  // keeps the sign of -0
   const Turn t = turn_of(x);
   const double s = t.quadrant & 1 ? cosine(t.r, t.rest) : sine(t.r, t.rest);
   return t.quadrant & 2 ? -s : s;
@@ -199,7 +201,7 @@ double atan2(double y, double x) {
     b = 1.0;
   }
   const Arctangent t = b == 0 ? Arctangent{0, 0.0, 0.0} : arctangent(a, b);
-  // The angle in the first octant, or what it is short of, or beyond, a multiple of pi/2.
+  // The angle of the first octant is added to, or subtracted from, a multiple of pi/2.
   const double sign = steep != behind ? -1.0 : 1.0;
   const double turns = steep ? 1.0 : behind ? 2.0 : 0.0;
   const double start = turns * kHalfPi, most = start + sign * kArctangent[t.index][0];

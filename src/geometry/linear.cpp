@@ -10,7 +10,7 @@
 namespace scanlock {
 namespace {
 
-/// Of 12 and 18 axes: one LDLT for both, for each takes seconds to compile. On the stack.
+/// Matrices of 12 or 18 rows share one instantiation of LDLT, which takes seconds to compile. On the stack.
 using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 18, 18>;
 using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 18, 1>;
 
@@ -32,7 +32,8 @@ Vector18 solve(const Matrix18& a, const Vector18& b) {
   return solve(Square(a), Column(b));
 }
 
-// Column by column: for several at once, Eigen adds in an order that depends on the processor's registers.
+// Solved column by column: for several columns at once, Eigen's order of additions depends on the registers
+// of the processor.
 
 Matrix12 inverse(const Matrix12& a) {
   const Eigen::LDLT<Square> factors(a);

@@ -7,7 +7,8 @@
 
 namespace scanlock {
 
-/// The cloud in the frame that the pose leads to: points moved, normals turned, the rest as it is.
+/// The cloud transformed by the pose: points and sensor origins (`eyes`) moved, normals rotated, all other
+/// attributes unchanged.
 PointCloud moved(PointCloud cloud, const Pose& pose);
 
 }  // namespace scanlock

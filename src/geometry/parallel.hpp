@@ -9,11 +9,11 @@
 
 namespace scanlock {
 
-/// Points a chunk, where a point takes about as long as a search for its neighbours.
+/// Points per chunk, for work that takes about as long per point as a search for its neighbours.
 inline constexpr std::size_t kChunk = 256;
 
 /// Calls work(begin, end) for consecutive chunks of [0, n), on up to `threads` threads.
-/// The chunks do not depend on `threads`, and `work` may only write to elements of its own chunk: so the
+/// The chunks do not depend on `threads`, and `work` may only write to elements of its own chunk, so that the
 /// result does not depend on `threads` either. `work` must not throw.
 template <typename Work>
 void for_each_chunk(std::size_t n, std::size_t chunk_size, int threads, const Work& work) {

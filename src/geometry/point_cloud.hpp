@@ -9,15 +9,15 @@
 
 namespace scanlock {
 
-/// Points as a structure of arrays, so that loops over one coordinate vectorise.
+/// Points as a structure of arrays, so that the compiler can vectorise loops over one coordinate.
 /// x, y, z always have the same size; every other array is either empty or of that size too.
 struct PointCloud {
-  std::vector<float> x, y, z;         ///< metres, in the frame that the owner of the cloud names
+  std::vector<float> x, y, z;         ///< metres, in the frame that the owner of the cloud documents
   std::vector<float> nx, ny, nz;      ///< unit normals
-  std::vector<float> intensity;       ///< as the sensor gives it
+  std::vector<float> intensity;       ///< in the unit of the sensor
   std::vector<float> time;            ///< seconds relative to the stamp of the scan; may be negative
-  std::vector<Eigen::Vector3f> eyes;  ///< metres: where the sensor stood that saw the point
-  std::vector<std::uint8_t> alone;    ///< 1: seen in front of what is beside it, see odometry/standing_alone
+  std::vector<Eigen::Vector3f> eyes;  ///< metres: sensor origin from which the point was measured
+  std::vector<std::uint8_t> alone;    ///< 1: point of an isolated object, see odometry/standing_alone
 
   std::size_t size() const { return x.size(); }
   bool empty() const { return x.empty(); }
@@ -29,7 +29,7 @@ struct PointCloud {
 
   Eigen::Vector3f point(std::size_t i) const { return {x[i], y[i], z[i]}; }
   Eigen::Vector3f normal(std::size_t i) const { return {nx[i], ny[i], nz[i]}; }
-  /// Where nothing else is said the sensor stood at the origin.
+  /// Sensor origin of point i, metres; the origin of the frame for clouds without `eyes`.
   Eigen::Vector3f eye(std::size_t i) const { return has_eyes() ? eyes[i] : Eigen::Vector3f::Zero(); }
 
   void reserve(std::size_t n) {
@@ -46,12 +46,12 @@ struct PointCloud {
 };
 
 /// One revolution (or frame) of a sensor, in the sensor's frame: x forward, y left, z up.
-/// `utime` is the instant, in microseconds, at which the pose of this scan shall hold;
-/// `points.time` counts from it.
+/// `utime` is the instant, in microseconds, that the pose of this scan refers to; `points.time` is relative
+/// to it.
 struct Scan {
   std::int64_t utime = 0;
   PointCloud points;
-  bool stamped_by_arrival = false;  ///< its sender gave no stamp
+  bool stamped_by_arrival = false;  ///< the sender gave no stamp: utime is the time of arrival
 };
 
 }  // namespace scanlock

@@ -11,8 +11,8 @@ namespace scanlock {
 
 using KeyedIndex = std::pair<std::uint64_t, std::uint32_t>;
 
-/// Sorts by key, those of equal keys staying in order; linear in the number of entries, and in the digits in
-/// which keys differ.
+/// Stable sort by key; the time is linear in the number of entries and in the number of digits in which the
+/// keys differ.
 inline void radix_sort(std::vector<KeyedIndex>* entries) {
   constexpr int kBits = 11;
   constexpr std::uint64_t kMask = (1u << kBits) - 1;

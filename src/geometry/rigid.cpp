@@ -9,8 +9,8 @@
 namespace scanlock {
 namespace {
 
-// The coefficients below lose digits by cancellation where the angle is small; there the Taylor series takes
-// over. At kSeriesAngle the first dropped term is below 1e-16 of the sum.
+// The coefficients below lose digits by cancellation for small angles: below kSeriesAngle (radians) they are
+// computed by Taylor series, whose first dropped term at kSeriesAngle is below 1e-16 of the sum.
 constexpr double kSeriesAngle = 0.5;
 
 /// sin(t)/t
@@ -93,7 +93,8 @@ Eigen::Matrix3d so3_exp(const Eigen::Vector3d& phi) {
 }
 
 Eigen::Vector3d so3_log(const Eigen::Matrix3d& rotation) {
-  // Through the quaternion: its largest component is never small, so no angle between 0 and pi loses digits.
+  // By way of the quaternion, whose largest component is at least 1/2, so that no angle in [0, pi] loses
+  // digits.
   Eigen::Quaterniond q(rotation);
   q.normalize();
   if (q.w() < 0) q.coeffs() = -q.coeffs();
@@ -155,7 +156,7 @@ Eigen::Quaterniond least_rotation(const Eigen::Vector3d& from, const Eigen::Vect
   const Eigen::Vector3d a = from.normalized(), b = to.normalized();
   const Eigen::Vector3d across = a.cross(b);
   const double cosine = a.dot(b);
-  // Where they are nearly opposite, the sum loses the digits that the square of the sine has.
+  // For nearly opposite directions the sum 1 + cosine loses digits; the squared sine keeps them.
   const double one_plus = cosine < 0 ? across.squaredNorm() / (1.0 - cosine) : 1.0 + cosine;
   Eigen::Quaterniond q;
   if (one_plus < 1e-12) {

@@ -18,14 +18,14 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /// The matrix a^ with a^ b = a x b.
 Eigen::Matrix3d hat(const Eigen::Vector3d& a);
 
-/// The rotation by an angle (radians) about the z axis, and Rz(yaw) Ry(pitch) Rx(roll). In place of Eigen's
-/// AngleAxis, which takes the sine and cosine of the C library.
+/// The rotation by an angle (radians) about the z axis, and Rz(yaw) Ry(pitch) Rx(roll). Used in place of
+/// Eigen's AngleAxis, which calls the sine and cosine of the C library.
 Eigen::Matrix3d rotation_about_z(double angle);
 Eigen::Matrix3d yaw_pitch_roll(double yaw, double pitch, double roll);
 
-/// Exponential and logarithm of SO(3). exp is exact for every argument; log returns the rotation vector
-/// of length in [0, pi], accurate to rounding from 0 to pi (Zhang et al. appendix A is its judge in the
-/// tests; the authors' code returns 0 below 0.081 degrees, which is the usual motion between two scans).
+/// Exponential and logarithm of SO(3). exp is accurate to rounding for every argument; log returns the
+/// rotation vector of length in [0, pi], accurate to rounding from 0 to pi (tests compare it with appendix A
+/// of Zhang et al.; the authors' code returns 0 below 0.081 degrees, a usual rotation between two scans).
 Eigen::Matrix3d so3_exp(const Eigen::Vector3d& phi);
 Eigen::Vector3d so3_log(const Eigen::Matrix3d& rotation);
 
@@ -40,22 +40,23 @@ Matrix6 se3_left_jacobian(const Vector6& xi);
 /// Adjoint: T exp(xi) T^-1 = exp(Ad(T) xi).
 Matrix6 adjoint(const Pose& pose);
 
-/// The least rotation that turns the direction of `from` into that of `to` (any lengths but 0); half a turn
-/// about some axis across where they are opposite.
+/// The smallest rotation that turns the direction of `from` into that of `to` (vectors of any length but 0);
+/// for opposite directions, half a turn about some perpendicular axis.
 Eigen::Quaterniond least_rotation(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
-/// The least rotation that turns `up` (any length but 0) into the z axis; of the direction opposite to z,
+/// The smallest rotation that turns `up` (any length but 0) into the z axis; for the direction opposite to z,
 /// half a turn about some horizontal axis.
 Eigen::Matrix3d level_rotation(const Eigen::Vector3d& up);
 
-/// The nearest rotation, for a product of many; a no-op to rounding for a good one.
+/// The pose with its rotation made orthonormal again (by a unit quaternion), for products of many poses. A
+/// rotation that is orthonormal already changes by rounding only.
 Pose renormalised(const Pose& pose);
 
-/// The same place and heading, upright: what a frame of which z is up needs of a pose. The heading is that of
-/// the x axis; of one that points straight up, none.
+/// The pose with the same position and heading and without roll and pitch, for a frame whose z axis is up.
+/// The heading is that of the x axis; 0 where the x axis is vertical.
 Pose upright(const Pose& pose);
 
-/// Whether two poses differ by less.
+/// True if the translation of a^-1 b is shorter than `metres` and its rotation angle is below `radians`.
 bool near(const Pose& a, const Pose& b, double metres, double radians);
 
 }  // namespace scanlock

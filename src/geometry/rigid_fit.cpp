@@ -7,7 +7,8 @@
 namespace scanlock {
 namespace {
 
-// Breaks ties towards no rotation; the bias on a rotation that the pairs do determine is below 1e-11 rad.
+// Weight of the identity, which selects the smallest rotation where the pairs leave it open; the bias on a
+// rotation that the pairs determine is below 1e-11 rad.
 constexpr double kTieBreak = 1e-12;
 
 }  // namespace

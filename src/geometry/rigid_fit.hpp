@@ -6,8 +6,8 @@
 
 namespace scanlock {
 
-/// Weighted sums over pairs of points (p, q), from which the rigid motion that brings p onto q follows in
-/// closed form.
+/// Weighted sums over pairs of points (p, q), metres: rigid_fit() computes from them the rigid motion that
+/// moves p onto q.
 struct PairSums {
   double weight = 0;
   Eigen::Vector3d p = Eigen::Vector3d::Zero(), q = Eigen::Vector3d::Zero();
@@ -27,9 +27,9 @@ struct PairSums {
   }
 };
 
-/// argmin sum w |R p + t - q|^2 over rigid motions, equation 17, by the singular value decomposition. What
-/// the pairs leave open (all on a line, all in one point) stays as it is: of all minima the one nearest to no
-/// rotation. No weight: identity.
+/// argmin sum w |R p + t - q|^2 over rigid motions, equation 17, by the singular value decomposition. Where
+/// the pairs do not determine the rotation (all on a line, or all in one point), the minimum with the
+/// smallest rotation. The identity when the sum of weights is 0.
 Pose rigid_fit(const PairSums& sums);
 
 }  // namespace scanlock

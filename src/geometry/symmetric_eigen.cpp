@@ -10,13 +10,13 @@
 namespace scanlock {
 namespace {
 
-/// Summed in this order wherever Eigen would do it otherwise.
+/// A fixed order of summation: that of Eigen depends on the platform.
 double dot(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
 }
 
-/// Of [a b; b c]: mean of the eigenvalues and half their difference, and the unit vector (cosine, sine) of
-/// the larger one. The squares of elements must neither overflow nor all underflow.
+/// For the matrix [a b; b c]: the mean of its eigenvalues, half their difference, and the unit eigenvector
+/// (cosine, sine) of the larger one. The squares of elements must neither overflow nor all underflow.
 struct Pair {
   double mean, half, cosine, sine;
 };
@@ -33,15 +33,16 @@ Pair solve_pair(double a, double b, double c) {
   return pair;
 }
 
-/// The largest root of t^3 - 3 t = 2 r for 0 <= r <= 1, which is 2 cos(acos(r) / 3): in [sqrt(3), 2], and at
-/// least sqrt(3) above the others, so that Newton's steps converge from a guess right to 8e-6.
+/// The largest root of t^3 - 3 t = 2 r for 0 <= r <= 1, which is 2 cos(acos(r) / 3). It lies in [sqrt(3), 2],
+/// at least sqrt(3) above the other two roots, so that two Newton steps converge from the polynomial guess,
+/// whose error is 8e-6.
 double largest_root(double r) {
   double t = 1.7320587 + r * (0.33289076 + r * (-0.092173844 + r * (0.035545765 - r * 0.0083292321)));
   for (int step = 0; step < 2; ++step) t -= ((t * t - 3.0) * t - 2.0 * r) / (3.0 * (t * t - 1.0));
   return t;
 }
 
-/// With the largest element between 1e-51 and 1e50.
+/// For matrices whose largest element is between 1e-51 and 1e50.
 SymmetricEigen<3> solve_three(const Eigen::Matrix3d& a) {
   const double mean = (a(0, 0) + a(1, 1) + a(2, 2)) / 3.0;
   const double x = a(0, 0) - mean, y = a(1, 1) - mean, z = a(2, 2) - mean;
@@ -49,9 +50,10 @@ SymmetricEigen<3> solve_three(const Eigen::Matrix3d& a) {
   const double spread = std::sqrt((x * x + y * y + z * z + 2.0 * (d * d + e * e + f * f)) / 6.0);
   if (!(spread > 1e-20 * std::abs(mean)))
     return {Eigen::Vector3d::Constant(mean), Eigen::Matrix3d::Identity()};
-  // (A - mean) / spread has the eigenvalues t of t^3 - 3 t = 2 r. Of the three the outer one that is farther
-  // from the middle one is well apart whatever r is: its eigenvector is the longest of the cross products
-  // of the rows of A - t. The other two follow in the plane across.
+  // The eigenvalues of (A - mean) / spread are the roots t of t^3 - 3 t = 2 r. Of the smallest and the
+  // largest eigenvalue, the one farther from the middle eigenvalue is well separated for every r: its
+  // eigenvector is the longest of the cross products of the rows of A - t. The other two eigenvectors are
+  // found in the perpendicular plane.
   const double determinant = x * (y * z - f * f) - d * (d * z - f * e) + e * (d * f - y * e);
   const double r = determinant / (2.0 * spread * spread * spread);
   const bool largest = r >= 0;
@@ -66,7 +68,8 @@ SymmetricEigen<3> solve_three(const Eigen::Matrix3d& a) {
     square = other_square;
   }
   const Eigen::Vector3d axis = across / std::sqrt(square);
-  // The reflection that takes the axis to the positive or negative z axis takes x and y into that plane.
+  // The reflection that maps the axis to the positive or negative z axis maps x and y into the plane
+  // perpendicular to the axis.
   const double sign = std::copysign(1.0, axis.z()), c = 1.0 / (axis.z() + sign);
   const double cx = c * axis.x(), cy = c * axis.y();
   const Eigen::Vector3d u(1.0 - sign * cx * axis.x(), -sign * cx * axis.y(), -sign * axis.x());
@@ -97,7 +100,7 @@ SymmetricEigen<2> solve_two(const Eigen::Matrix2d& a) {
   return result;
 }
 
-/// Scales by a power of two where squares of elements would leave the range of doubles.
+/// Solves `a`, scaled by a power of two where squares of its elements would leave the range of doubles.
 template <int kAxes, typename Solve>
 SymmetricEigen<kAxes> in_range(const Eigen::Matrix<double, kAxes, kAxes>& a, const Solve& solve) {
   double size = 0;

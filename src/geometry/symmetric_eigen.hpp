@@ -6,18 +6,18 @@
 
 namespace scanlock {
 
-/// Of a symmetric matrix: eigenvalues, ascending, and unit eigenvectors in the columns, in the same order.
+/// Eigenvalues of a symmetric matrix, ascending, and its unit eigenvectors in the columns, in the same order.
 template <int kAxes>
 struct SymmetricEigen {
   Eigen::Matrix<double, kAxes, 1> values;
   Eigen::Matrix<double, kAxes, kAxes> vectors;
 };
 
-/// Closed form, of the lower triangle. However close eigenvalues are, they are right to 4e-15 of the largest
-/// element, A v - l v is 0 to 2e-15 of it, and the vectors are orthonormal to 1e-15. Not finite: values NaN,
-/// axes those of the frame. In place of Eigen's computeDirect: that one takes a third of an arc cosine by the
-/// functions of the C library, whose bits differ between machines, and splits nearly equal eigenvalues with
-/// an error of 1e-8.
+/// Closed form, from the lower triangle of `a`. For eigenvalues at any distance from each other, values are
+/// accurate to 4e-15 of the largest element, |A v - l v| is below 2e-15 of it, and the vectors are
+/// orthonormal to 1e-15. For a matrix that is not finite, values are NaN and vectors the identity. Used in
+/// place of Eigen's computeDirect, which computes a third of an arc cosine by functions of the C library,
+/// whose bits differ between machines, and separates nearly equal eigenvalues with an error of 1e-8.
 SymmetricEigen<2> symmetric_eigen(const Eigen::Matrix2d& a);
 SymmetricEigen<3> symmetric_eigen(const Eigen::Matrix3d& a);
 

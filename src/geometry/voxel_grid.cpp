@@ -25,7 +25,7 @@ std::uint64_t spread_bits(std::uint64_t v) {
   return v;
 }
 
-/// Every third of 63 bits, the inverse of spread_bits.
+/// Gathers every third of 63 bits: the inverse of spread_bits.
 std::uint64_t gathered_bits(std::uint64_t v) {
   v &= 0x1249249249249249;
   v = (v | v >> 2) & 0x10c30c30c30c30c3;
@@ -40,13 +40,13 @@ struct Voxel {
   float squared_distance_to_centre;
 };
 
-/// Two instructions, where std::floor is a call on a processor without SSE 4.1.
+/// Two instructions, whereas std::floor is a function call on processors without SSE 4.1.
 std::int32_t floor_to_int(float v) {
   const std::int32_t truncated = static_cast<std::int32_t>(v);
   return truncated - (v < static_cast<float>(truncated) ? 1 : 0);
 }
 
-/// False for points that no voxel can hold: not finite, or too far out.
+/// The voxel of a point; false for points that are not finite or kMaxVoxels or more from the origin.
 bool locate(float x, float y, float z, float inverse_size, Voxel* voxel) {
   const float fx = x * inverse_size, fy = y * inverse_size, fz = z * inverse_size;
   // Written so that NaN fails too.
@@ -70,8 +70,9 @@ std::size_t hash(std::uint64_t key) {
   return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 32);
 }
 
-/// The best point of each voxel in an open-addressing table that grows with the voxels, not with the points:
-/// it stays in cache where most points share few voxels, which is what thinning is for.
+/// The point nearest to the centre of each voxel, in an open-addressing table whose size grows with the
+/// number of voxels, not of points: it stays in cache when many points share few voxels, the case that
+/// thinning is used for.
 class VoxelTable {
  public:
   VoxelTable() : slots_(kFirstSlots) {}
@@ -141,7 +142,7 @@ class VoxelTable {
   std::size_t used_ = 0;
 };
 
-/// Which voxels there are, in the order in which they were first met, by open addressing.
+/// Numbers voxels by the order of their first points; an open-addressing table.
 class VoxelNumbers {
  public:
   VoxelNumbers() : slots_(1u << 13) {}
@@ -185,7 +186,8 @@ std::uint64_t morton_of(std::uint64_t key) {
   return morton_key(coordinate(42), coordinate(21), coordinate(0));
 }
 
-/// Sums over a voxel; points count from the first one, so that floats far from the origin stay precise.
+/// Sums over the points of a voxel; points are relative to the first one, to keep float precision far from
+/// the origin.
 struct VoxelSum {
   Eigen::Vector3f first = Eigen::Vector3f::Zero(), offsets = Eigen::Vector3f::Zero(),
                   normals = Eigen::Vector3f::Zero();

@@ -11,27 +11,29 @@
 namespace scanlock {
 
 /// Integer coordinates of a voxel packed into one key, 21 bits each; valid while |coordinate| < 2^20 voxels.
-/// The key is a Morton code: its order keeps neighbours in space near each other.
+/// The key is a Morton code: voxels that are close in space have keys that are mostly close in order.
 std::uint64_t morton_key(std::int32_t ix, std::int32_t iy, std::int32_t iz);
-/// The cell with that key.
+/// The voxel with that key: the inverse of morton_key().
 Eigen::Vector3i morton_cell(std::uint64_t key);
 
-/// Thins a cloud to one point a voxel: of the points in a voxel the one nearest to its centre, ties going to
-/// the smallest (x, y, z). The answer is a set of indices into the cloud in Morton order of their voxels, and
-/// depends neither on the order of the points nor on what else is in the cloud. Points that are not finite,
-/// or more than 2^20 voxels from the origin, are left out. `voxel` in metres, > 0.
+/// Thins a cloud to one point per voxel: the point nearest to the centre of the voxel, ties going to the
+/// smallest (x, y, z). Returns indices into the cloud in Morton order of their voxels. The choice depends
+/// neither on the order of the points nor on points of other voxels. Points that are not finite, or with a
+/// coordinate of 2^20 - 1 voxels or more, are left out. `voxel` in metres, > 0; throws std::invalid_argument
+/// otherwise.
 std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, float voxel);
 
-/// The same over a part of the cloud, given as indices.
+/// thin_by_voxel() over the points at the indices `subset`.
 std::vector<std::uint32_t> thin_by_voxel(const PointCloud& cloud, const std::vector<std::uint32_t>& subset,
                                          float voxel);
 
-/// Gathers points and leaves those of thin_by_voxel(). It thins them in between, too, which leaves the same
-/// points, so that it holds at most twice as many as are left, or half a million. `voxel` in metres, > 0.
+/// Gathers points and thins them by thin_by_voxel(). settle() thins in between, which does not change the
+/// result, so that after it the object holds at most twice the points left by the last thinning, or 2^19.
+/// `voxel` in metres, > 0.
 class ThinnedCloud {
  public:
   explicit ThinnedCloud(float voxel) : voxel_(voxel) {}
-  /// To append points to, of the same attributes each time. Call settle() now and then.
+  /// The caller appends points, always with the same attributes, and calls settle() from time to time.
   PointCloud& points() { return points_; }
   void settle();
   PointCloud take();
@@ -41,19 +43,19 @@ class ThinnedCloud {
 
   float voxel_;
   PointCloud points_;
-  std::size_t most_ = std::size_t{1} << 19;  ///< points, before they are thinned
+  std::size_t most_ = std::size_t{1} << 19;  ///< number of points from which settle() thins
 };
 
-/// How many points thin_by_voxel() would leave.
+/// The number of points that thin_by_voxel() would leave.
 std::size_t count_voxels(const PointCloud& cloud, float voxel);
 
-/// One point a voxel: the mean of the points in it, and the mean of their normals (of those that are finite;
-/// opposite signs count as one direction; zero where there is none), in Morton order of the voxels. Noise
-/// averages out, as far as a voxel holds several points. Other attributes are dropped; points are left out as
-/// in thin_by_voxel(). The order of the points matters to the last bits only.
+/// One point per voxel, in Morton order of the voxels: the mean of the points in it, and the unit vector of
+/// the mean of their finite normals (opposite normals count as one direction; zero where no normal is
+/// finite). Where a voxel holds several points, noise averages out. Other attributes are dropped; points are
+/// left out as in thin_by_voxel(). The order of the points changes only the last bits of the result.
 PointCloud average_by_voxel(const PointCloud& cloud, float voxel);
 
-/// The points at `indices`, with every attribute that the cloud has.
+/// The points at `indices`, with all attributes of the cloud.
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& indices);
 
 }  // namespace scanlock
