@@ -21,8 +21,8 @@ StateVector AndersonAcceleration::next(const StateVector& x, const StateVector& 
       image_steps_.col(column) = image - last_image_;
       residual_steps_.col(column) = residual - last_residual_;
       const int used = std::min(count_, window_);
-      // The normal equations would square the condition number, and the steps grow parallel as the iteration
-      // converges.
+      // QR instead of the normal equations, which would square the condition number: the steps become nearly
+      // parallel as the iteration converges.
       const Columns steps = residual_steps_.leftCols(used);
       Eigen::ColPivHouseholderQR<Columns> qr(steps);
       qr.setThreshold(1e-10);

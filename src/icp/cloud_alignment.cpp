@@ -17,15 +17,16 @@
 namespace scanlock {
 namespace {
 
-constexpr double kTolerance = 1e-5;  // of the diagonal
-// Where two do not descend, more find next to nothing.
+constexpr double kTolerance = 1e-5;  // of the target's diagonal
+// Where two shorter steps do not lower the energy, further ones hardly ever do.
 constexpr int kLineSearchSteps = 2;
-constexpr double kGateMargin = 2.0;  // spacings, on top of the reach of nu, for distances within planes
-constexpr double kFirstGate = 6.0;   // median distances at the start
+constexpr double kGateMargin = 2.0;  // spacings, added to the reach of nu for the distance within the plane
+constexpr double kFirstGate = 6.0;   // median distances of the pairs at the start
 constexpr double kLeastPoints = 1024;
 
-/// How far a nu is driven; tolerances are shares of it. Distances to points creep: stopped early, they have
-/// not arrived. Distances to planes jump there.
+/// Convergence tolerances, as shares of nu, at the last nu and at the upper ones. Point-to-point iterations
+/// take many short steps, and a wide tolerance would stop them before the minimum; point-to-plane iterations
+/// reach it in few long steps.
 struct Effort {
   double last_tolerance, upper_tolerance;
 };
@@ -79,10 +80,10 @@ class CloudAligner {
     return translation_by(-target_.centre()) * pose * translation_by(source_.centre);
   }
 
-  /// Pairs farther apart do not count at a level. For distances to points that changes nothing: their weight
-  /// is below rounding there. A plane reaches farther than the surface it stands for, so a point far away can
-  /// lie on it by chance (the authors' code lets it, and slides along some scenes); the gate closes as nu
-  /// does.
+  /// Metres: pairs farther apart do not count at the level of `nu`. For distances to points the gate changes
+  /// nothing, since the weight beyond it is below rounding. A plane extends beyond the surface that it was
+  /// fitted to, so that a distant point can lie on it by chance (the authors' code counts such pairs, and
+  /// slides along some scenes); the gate therefore shrinks with nu.
   double gate(double nu, double nu_max) const {
     if (method_.objective == IcpObjective::kPoint) return kWelschReach * nu;
     return std::max(first_gate_ * nu / nu_max, 3.0 * nu + kGateMargin * target_.spacing());
@@ -117,8 +118,8 @@ class CloudAligner {
     return problem.pose();
   }
 
-  /// A descent that takes the share of the work from `begin` to `end` tells how far it has come: steps shrink
-  /// by about the same factor each time.
+  /// Makes a descent report its progress, from `begin` to `end` as shares of the whole work. Its step lengths
+  /// shrink by about the same factor each time, so that progress is the logarithm of the step length.
   void report_progress(DescentOptions* descent, double begin, double end) const {
     if (!options_.progress) return;
     descent->step_length = [=, &report = options_.progress, tolerance = descent->tolerance,
@@ -129,13 +130,13 @@ class CloudAligner {
     };
   }
 
-  /// Problems (13) and (20): algorithms 1 and 2. The upper nu only have to bring the lower ones into their
-  /// basin: each gets half as many points as the next, and a wider tolerance.
+  /// Problems (13) and (20): algorithms 1 and 2. The upper nu only have to reach the basin of convergence of
+  /// the next lower nu: each uses half as many points as the next, and a wider tolerance.
   Pose solve_robust(const Pose& guess) {
     const Pose start = !options_.thorough && !(options_.nu_max > 0) ? begin_near(guess) : guess;
     CloudProblem problem(source_.points, target_, setup_);
     const double nu_min = result_.nu_min = choose_nu_min(), nu_max = choose_nu_max(start, &problem);
-    // What comes to rest on planes afterwards need not arrive by distances to points.
+    // If the pose is refined on planes afterwards, the point-to-point descent need not converge fully.
     const double last_tolerance = keeps_better_start_ ? effort_.upper_tolerance * nu_min
                                                       : std::min(tolerance_, effort_.last_tolerance * nu_min);
     const double levels = 1.0 + std::max(0.0, std::ceil(log2(nu_max / nu_min)));
@@ -172,7 +173,8 @@ class CloudAligner {
     if (options_.nu_min > 0) return options_.nu_min;
     const bool point = method_.objective == IcpObjective::kPoint;
     const double by_rule = point ? target_.point_nu_min() : target_.plane_nu_min();
-    // The normals of a thinned cloud are good to its spacing; the paper's rule for planes asks more of them.
+    // The normals of a thinned cloud are accurate to its spacing only; the paper's rule for planes assumes
+    // more accurate ones.
     return options_.voxel > 0 ? std::max(by_rule, target_.point_nu_min()) : by_rule;
   }
 
@@ -188,14 +190,14 @@ class CloudAligner {
     return nu_max;
   }
 
-  /// Distances to planes, over all points, tell how good a pose is.
+  /// The state of `pose` for distances to planes, over all points, whose energy compares poses.
   StateVector begin_planes(const Pose& pose, CloudProblem* problem) const {
     const double nu = target_.point_nu_min();
     return problem->begin(pose, nu, 3.0 * nu + kGateMargin * target_.spacing());
   }
 
-  /// From the start or where the problem arrived, whichever is nearer to the planes, down to where it rests
-  /// on them.
+  /// Minimises the distances to planes, from the start or from the pose that the problem reached, whichever
+  /// has the lower energy.
   Pose rest_on_planes(const Pose& start, CloudProblem* problem) {
     const Pose arrived = problem->pose();
     problem->use_objective(IcpObjective::kPlane);

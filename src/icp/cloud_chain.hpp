@@ -10,29 +10,29 @@
 
 namespace scanlock {
 
-/// Where somebody who knows more has a cloud of a chain, in the frame of the one before it.
+/// A pose that the caller knows for a cloud of a chain, in the frame of the previous cloud.
 struct ChainGuess {
   Pose target_from_source = Pose::Identity();
-  double nu_max = 0;    ///< metres, how well it is known; 0: CloudAlignmentOptions::nu_max
-  bool refined = true;  ///< false: the guess is the link, whatever the clouds say
+  double nu_max = 0;    ///< metres: uncertainty of the guess; 0: CloudAlignmentOptions::nu_max
+  bool refined = true;  ///< false: the guess is taken as the result, without an alignment
 };
 
-/// Clouds one after the other, each registered to the one before it. Without a guess that of a motion is the
-/// motion before it or none, whichever puts the clouds closer together.
+/// A sequence of clouds, each registered to the previous one. Without a given guess, the start is the motion
+/// between the previous two clouds or no motion, whichever has the smaller misfit().
 class CloudChain {
  public:
-  /// `voxel`: metres to thin to, 0 for all points; nothing: chosen for each target by sensible_voxel().
-  /// `options.start_may_be_better` speaks of guesses that are given.
+  /// `voxel`: metres by which clouds are thinned, 0 for all points; nullopt: sensible_voxel() of each target.
+  /// `options.start_may_be_better` applies only to guesses that are given to add().
   CloudChain(const CloudMethod& method, const CloudAlignmentOptions& options, std::optional<double> voxel);
   ~CloudChain();
 
-  /// Adds a cloud; returns its alignment to the one before it, and nothing for the first. Throws
+  /// Adds a cloud; returns its alignment to the previous cloud, nullopt for the first one. Throws
   /// std::invalid_argument, and changes nothing, when fewer than three points are finite.
   std::optional<CloudAlignment> add(const PointCloud& cloud, const std::optional<ChainGuess>& guess = {});
 
-  /// Of the clouds added so far, in the frame of the first.
+  /// Poses of the clouds added so far, in the frame of the first.
   const std::vector<Pose>& poses() const { return poses_; }
-  /// Metres that the last cloud was thinned to as a target; 0: not at all.
+  /// The voxel, metres, that the last cloud was thinned by as a target; 0: not thinned.
   double voxel() const { return target_voxel_; }
 
  private:

@@ -19,20 +19,21 @@ namespace scanlock {
 namespace {
 
 constexpr std::size_t kSamples = 2048;
-constexpr double kSigmaOfMedian = 1.4826;  // of a normal distribution
-constexpr double kReach = 3.0;             // sigmas
-constexpr double kRadius = 5.0;            // spacings, at least; for normals of targets that have none
-// What independent noise leaves out (pairs across edges, pairs that change with the motion), from trials with
-// known truth.
+constexpr double kSigmaOfMedian = 1.4826;  // sigma over median absolute residual, normal distribution
+constexpr double kReach = 3.0;             // sigmas: larger residuals do not count for the degeneracy
+constexpr double kRadius = 5.0;            // spacings, at least; for normals of targets without normals
+// Factor for errors that independent noise does not model (pairs across edges, pairs that change with the
+// motion), from trials with known truth.
 constexpr double kInflation = 5.0;
 constexpr double kLeastSlope = 0.02;
-// Sizes of the neighbourhoods whose errors may be one error, of the cloud's rms radius.
+// Sizes of the neighbourhoods within which errors may be correlated, as shares of the cloud's rms radius.
 constexpr double kNeighbourhoods[] = {1.0 / 32, 1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2};
-// A motion that nothing observes is as uncertain as this: the scene's size, half a turn.
+// Standard deviation of a rotation that no pair observes: half a turn. Of a translation: the target's
+// diagonal.
 constexpr double kOpenRotation = kPi;
 
 struct PlanePair {
-  Vector6 j;  // of the residual by xi, source centred
+  Vector6 j;  // derivative of the residual by xi, for the centred source
   Eigen::Vector3d p;
   double residual;
   std::int32_t target;
@@ -79,7 +80,7 @@ double deviation(const std::vector<PlanePair>& pairs) {
   return kSigmaOfMedian * *middle;
 }
 
-/// Variance that a residual would have if the estimator were least squares: b / a^2.
+/// Variance of a residual with which least squares would have the same covariance: b / a^2.
 double effective_variance(const std::vector<PlanePair>& pairs, double nu) {
   double slope = 0, square = 0;
   for (const PlanePair& pair : pairs) {
@@ -93,7 +94,8 @@ double effective_variance(const std::vector<PlanePair>& pairs, double nu) {
   return square / n / (slope * slope);
 }
 
-/// By how much shared target points inflate the variance: half of a residual's noise is the target's.
+/// Factor by which shared target points increase the variance: half of a residual's noise is that of the
+/// target point.
 double sharing(const std::vector<PlanePair>& pairs) {
   std::vector<std::int32_t> targets;
   for (const PlanePair& pair : pairs) targets.push_back(pair.target);
@@ -102,10 +104,10 @@ double sharing(const std::vector<PlanePair>& pairs) {
   return 0.5 * (1.0 + static_cast<double>(pairs.size()) / static_cast<double>(distinct));
 }
 
-/// By how much errors that neighbours share inflate the variance. Over neighbourhoods of one size the sums of
-/// the gradients spread as much as independent errors would have them, or more; of several sizes the worst
-/// counts (small ones miss what reaches farther, and very large ones see nothing: over all pairs the sum is
-/// 0).
+/// Factor by which errors that neighbours share increase the variance: the scatter of the gradients summed
+/// over neighbourhoods of one size, over the scatter that independent errors would have. The largest factor
+/// of several sizes is taken: small neighbourhoods miss errors with a longer correlation length, and very
+/// large ones show none, because the sum over all pairs is 0.
 double correlation(const std::vector<PlanePair>& pairs, const Matrix6& information, double nu) {
   double radius = 0, independent = 0, worst = 1;
   for (const PlanePair& pair : pairs) radius += pair.p.squaredNorm();
@@ -162,8 +164,8 @@ AlignmentCertainty alignment_certainty(const PointCloud& source, const CloudTarg
   const SymmetricEigen<6> eigen = symmetric_eigen(information);
   const Matrix6 centred_covariance =
       eigen.vectors * eigen.values.cwiseMax(1e-12).cwiseInverse().asDiagonal() * eigen.vectors.transpose();
-  // T exp(xi) with T = T_centred shift^-1: xi moves by the adjoint of the shift from the centre to the
-  // cloud's origin.
+  // In T exp(xi) with T = T_centred shift^-1, the adjoint of the shift from the centre to the cloud's origin
+  // transforms xi.
   Pose own_from_centred = Pose::Identity();
   own_from_centred.translation() = source_centre;
   const Matrix6 shift = adjoint(own_from_centred);

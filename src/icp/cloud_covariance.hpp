@@ -7,23 +7,23 @@
 
 namespace scanlock {
 
-/// How well the pairs of an alignment fix its motion.
+/// How well the pairs of an alignment constrain its motion.
 struct AlignmentCertainty {
   Matrix6 covariance = Matrix6::Zero();  ///< as in CloudAlignment, in the source's own frame
   Degeneracy degeneracy;
 };
 
-/// From the point-to-plane Hessian at the pairs that `problem` evaluated last, whatever its objective: that
-/// of point-to-point is no covariance (Bonnabel et al. 2016). It is that of an M-estimator, b / a^2 H^-1 with
-/// a the mean slope of the influence and b its mean square: a nu far below the noise uses few of the points,
-/// and pays for it. Neighbours share errors (target points, normals, rows of one scan): the covariance grows
-/// by as much as the gradients summed over neighbourhoods spread more than independent ones would, and no
-/// more than a few thousand pairs are believed however many there are. What is wrong everywhere at once
-/// (motion within a scan, foliage seen from two sides) shows in no residual, and is not in it: over real and
-/// simulated pairs the normalised error squared is 0.4 to 28 instead of 6, in forest 50 to 70, and above 100
-/// where a car's motion is left in its scans. Pairs farther apart than `gate` metres do not count. `nu`: of
-/// the last level, 0 for squares. `source_centre`: where the origin of the centred source lies in its own
-/// frame.
+/// From the point-to-plane Hessian H at the pairs that `problem` evaluated last, for every objective: the
+/// inverse of the point-to-point Hessian is no covariance (Bonnabel et al. 2016). The covariance is that of
+/// an M-estimator, b / a^2 H^-1 with a the mean slope of the influence function and b its mean square: it is
+/// larger for a nu far below the noise, which uses few of the points. Neighbours share errors (target points,
+/// normals, rows of one scan): the covariance is multiplied by the ratio between the scatter of the gradients
+/// summed over neighbourhoods and the scatter of independent gradients, and at most a few thousand pairs are
+/// used. Errors common to all pairs (motion within a scan, foliage seen from two sides) appear in no
+/// residual, and the covariance does not contain them: over real and simulated pairs the normalised error
+/// squared is 0.4 to 28 instead of 6, in forest 50 to 70, and above 100 for scans with an uncompensated
+/// motion of the car. Pairs farther apart than `gate` metres do not count. `nu`: metres, of the last level, 0
+/// for squares. `source_centre`: metres, the origin of the centred source in the source's own frame.
 AlignmentCertainty alignment_certainty(const PointCloud& source, const CloudTarget& target,
                                        const CloudProblem& problem, double gate, double nu,
                                        const Eigen::Vector3d& source_centre);

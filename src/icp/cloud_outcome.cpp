@@ -15,8 +15,9 @@ constexpr double kPairGate = 3.0;  // median distances of the pairs
 constexpr double kFewInliers = 0.02;
 constexpr std::size_t kOpenAxesPoints = 1024;
 
-/// What the scene leaves open at a pose. The last nu knows only pairs within its small reach, and of a scan
-/// most of those are near the sensor: this asks points that are equally far apart, of any distance.
+/// The axes that the scene does not constrain at a pose. At the last nu only pairs within its small reach
+/// count, and in a scan most of these are near the sensor; this test therefore uses source points that are
+/// equally far apart, and pairs up to kPairGate median distances.
 std::uint32_t open_axes(const CentredCloud& source, const CloudTarget& target, CloudProblem::Setup setup,
                         const Pose& pose) {
   const PointCloud apart = spread_out(source.points, source.diagonal, kOpenAxesPoints);
@@ -36,9 +37,11 @@ CloudOutcome outcome_of(const CentredCloud& source, const CloudTarget& target, c
   const double gate = kInlierSpacings * std::max(target.spacing(), 3.0 * nu_min);
   std::size_t inliers = 0;
   for (std::size_t i = 0; i < n; ++i) inliers += problem.squared_distance(i) <= gate * gate ? 1 : 0;
-  // Rings and rows make the spacing much smaller than the distance of right pairs: those count, too.
+  // Rings and rows make the spacing much smaller than the distance of correct pairs: the gate is widened to
+  // include these.
   const double pairs_gate = std::max(gate, kPairGate * problem.median_distance(n));
-  // Distances to points use planes less well than distances to planes: as if nu were below the noise.
+  // The point-to-point objective draws less information from planes than the point-to-plane objective. In the
+  // covariance this is treated like a nu below the noise.
   const AlignmentCertainty certainty = alignment_certainty(source.points, target, problem, pairs_gate,
                                                            setup.robust ? nu_min : 0.0, source.centre);
   CloudOutcome outcome;

@@ -8,16 +8,16 @@
 
 namespace scanlock {
 
-/// What the last state of an alignment says about its result; each as in CloudAlignment.
+/// Quality of the result of an alignment, from its last state; members as in CloudAlignment.
 struct CloudOutcome {
   double inlier_ratio = 0;
   Matrix6 covariance = Matrix6::Zero();
   std::uint32_t degenerate_axes = 0;
-  bool degenerate = false;  ///< a motion is open, or nearly no point lies on the target
+  bool degenerate = false;  ///< an axis is unconstrained, or less than 2 % of the points lie on the target
 };
 
-/// Of `source` against `target` at the state that `problem`, of the method `setup`, evaluated last; its nu
-/// was `nu_min`.
+/// The outcome for `source` against `target` at the state that `problem` evaluated last, with the setup
+/// `setup` and nu = `nu_min` (metres).
 CloudOutcome outcome_of(const CentredCloud& source, const CloudTarget& target, const CloudProblem& problem,
                         const CloudProblem::Setup& setup, double nu_min);
 

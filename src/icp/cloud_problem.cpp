@@ -14,7 +14,8 @@
 namespace scanlock {
 namespace {
 
-// Directions without information take no step, and do not spoil the others.
+// Share of the trace added to the diagonal: no step along directions without information, and a solvable
+// system for the other directions.
 constexpr double kDamping = 1e-9;
 
 template <typename Value>
@@ -79,8 +80,8 @@ Eigen::Vector3f CloudProblem::pair_normal(std::size_t i, std::size_t q,
                                           const Eigen::Matrix3f& rotation) const {
   const Eigen::Vector3f there = target_.points().normal(q);
   if (setup_.objective == IcpObjective::kPlane) return there;
-  // Rusinkiewicz 2019: the sum of both normals. Its half is the distance to a plane where they agree; signs
-  // of estimated normals mean nothing.
+  // Rusinkiewicz 2019: the sum of both normals, here halved, so that the residual is the distance to a plane
+  // where the two normals agree. The signs of estimated normals are arbitrary.
   const Eigen::Vector3f here = rotation * source_.normal(i);
   return 0.5f * (here.dot(there) < 0 ? Eigen::Vector3f(there - here) : Eigen::Vector3f(there + here));
 }
@@ -139,7 +140,7 @@ double CloudProblem::median_residual(std::size_t count) const {
 
 void CloudProblem::add_plane(const Pair& pair, Sums* sums) const {
   const Eigen::Vector3f& n = pair.normal;
-  // Half of the rotation each on source and target: the lever is the middle between the two.
+  // Source and target are each rotated by half: the lever arm is that of the midpoint between the two points.
   const Eigen::Vector3f lever =
       setup_.objective == IcpObjective::kSymmetric
           ? Eigen::Vector3f(0.5f *

@@ -14,13 +14,13 @@
 namespace scanlock {
 
 enum class IcpObjective { kPoint, kPlane, kSymmetric };
-/// How a motion becomes the vector that Anderson acceleration combines. Euler angles (x y z, then yaw pitch
-/// roll) are the baseline that the paper improves on.
+/// The coordinates of a motion, of which Anderson acceleration takes linear combinations. Euler angles (x y
+/// z, then yaw pitch roll) are the baseline that the paper improves on.
 enum class MotionCoordinates { kLieAlgebra, kEulerAngles };
 
-/// Source against target for one scale nu: the energies (1), (13), (19), (20) of the paper and the symmetric
-/// one, and the step that minimises their surrogates. Poses map centred source coordinates into centred
-/// target coordinates.
+/// The alignment of a source to a target at one scale nu: the energies (1), (13), (19), (20) of the paper and
+/// the symmetric energy, and the steps that minimise their surrogates. Poses map centred source coordinates
+/// to centred target coordinates.
 class CloudProblem final : public DescentProblem {
  public:
   struct Setup {
@@ -30,18 +30,18 @@ class CloudProblem final : public DescentProblem {
     int threads = 1;
     int candidates = Correspondences::kCandidates;  ///< as in Correspondences::reset()
   };
-  /// `candidates` where steps are few and long: with distances to planes.
+  /// `candidates` for methods with few and long steps, those with distances to planes.
   static constexpr int kFewCandidates = 3;
   /// Source (with normals for the symmetric objective) and target must outlive this object.
   CloudProblem(const PointCloud& source, const CloudTarget& target, const Setup& setup);
 
-  /// Starts a level: `nu` (unused unless robust) and `gate`, beyond which pairs do not count, metres. Returns
-  /// the state of `start`; coordinates of the Lie algebra are taken relative to it, far from the cut of the
-  /// logarithm at pi.
+  /// Starts a level with `nu` (unused unless robust) and `gate`, beyond which pairs do not count, both in
+  /// metres. Returns the state of `start`; coordinates of the Lie algebra are relative to it, far from the
+  /// discontinuity of the logarithm at pi.
   StateVector begin(const Pose& start, double nu, double gate);
 
-  /// From here on another objective, with the source's normals where it is the symmetric one; nearest points
-  /// stay known. Takes a begin().
+  /// Changes the objective (the symmetric one requires normals of the source); the nearest points found so
+  /// far remain valid. Call begin() afterwards.
   void use_objective(IcpObjective objective) { setup_.objective = objective; }
 
   double evaluate(const StateVector& x) override;
@@ -51,7 +51,8 @@ class CloudProblem final : public DescentProblem {
   Pose pose_of(const StateVector& x) const;
   StateVector state_of(const Pose& pose) const;
 
-  /// From here on the first `n` points of the source are all there is; what is known about the others stays.
+  /// Uses only the first `n` points of the source from now on; stored correspondences of the other points
+  /// remain.
   void use_first(std::size_t n);
   std::size_t used() const { return used_; }
 
@@ -64,10 +65,10 @@ class CloudProblem final : public DescentProblem {
     double weight = 0;
   };
   Pair pair(std::size_t i) const;
-  float squared_distance(std::size_t i) const;  ///< of the pair, without the rest of it
+  float squared_distance(std::size_t i) const;  ///< that of pair(i) alone, m^2; NaN without a pair
 
-  /// Over every n-th point in use, so that about `count` are asked, those without a pair left out; the second
-  /// of absolute values.
+  /// Medians, metres, of the distances and of the absolute residuals of about `count` points, evenly spaced
+  /// in the order of those in use; points without a pair are left out.
   double median_distance(std::size_t count) const;
   double median_residual(std::size_t count) const;
 
@@ -76,8 +77,8 @@ class CloudProblem final : public DescentProblem {
   const Pose& pose() const { return pose_; }
 
  private:
-  /// What one pass over the source gathers. In the layout of a chunk, so that their order, and with it every
-  /// bit of the result, does not depend on the number of threads.
+  /// Sums of one pass over the source. Each chunk has its own, so that the order of additions, and with it
+  /// every bit of the result, does not depend on the number of threads.
   struct Sums {
     double energy = 0;
     PairSums points;
@@ -108,10 +109,10 @@ class CloudProblem final : public DescentProblem {
   Sums sums_;
 };
 
-/// A motion without a rotation.
+/// The pose of a pure translation.
 Pose translation_by(const Eigen::Vector3d& metres);
 
-/// A gate that no pair of points is beyond at a pose between the centred frames, metres.
+/// A gate, metres, wide enough for all pairs of points at `pose`, which is between the centred frames.
 double open_gate(const CentredCloud& source, const CloudTarget& target, const Pose& pose);
 
 }  // namespace scanlock

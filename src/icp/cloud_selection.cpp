@@ -59,7 +59,7 @@ PointCloud spread_out(const PointCloud& points, double diagonal, std::size_t cou
       continue;
     }
     result = std::move(next);
-    // Of points on surfaces the square of the voxel's growth is left.
+    // The number of points left on surfaces falls with the square of the voxel size.
     const double wanted =
         std::sqrt(static_cast<double>(result.size()) / (kSpreadAim * static_cast<double>(count)));
     voxel *= std::clamp(wanted, kLeastSpreadStep, kMostSpreadStep);

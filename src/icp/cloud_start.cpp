@@ -21,7 +21,7 @@ void count_searches(const CloudProblem& problem, CloudStart* start) {
   start->searches_saved += problem.correspondences().searches_saved();
 }
 
-/// From `pose` by nu_max, nu_max / 2, ... as long as they are above `end`.
+/// Descends from `pose` at nu_max, nu_max / 2, ... as long as these are above `end`; all in metres.
 Pose graduate(const Pose& pose, double nu_max, double end, CloudProblem* problem, CloudStart* sum) {
   if (!(nu_max > end)) return pose;
   double nu_min = nu_max;
@@ -40,7 +40,7 @@ Pose graduate(const Pose& pose, double nu_max, double end, CloudProblem* problem
   return problem->pose();
 }
 
-/// Mean of Welsch's function over the points: the share of them that lies off the target.
+/// Mean of Welsch's function over the points: about the share of points that lie off the target.
 double off_target(CloudProblem* problem, const Pose& pose, double nu) {
   return problem->evaluate(problem->begin(pose, nu, kWelschReach * nu)) /
          static_cast<double>(problem->used());

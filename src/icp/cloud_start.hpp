@@ -8,14 +8,15 @@
 
 namespace scanlock {
 
-/// The points over which the medians of the start are taken, at most.
+/// Largest number of points for the medians at the start of an alignment.
 inline constexpr std::size_t kMedianPoints = 2048;
 
-/// Section 4.3: nu_max is three times the median residual at the start, metres. The problem is left there.
+/// Section 4.3: nu_max is three times the median residual at the start `pose`, metres. `problem` is left
+/// evaluated at that pose.
 double nu_max_at(const CentredCloud& source, const CloudTarget& target, const Pose& pose,
                  CloudProblem* problem);
 
-/// Where an alignment begins: a pose between the centred frames, and what it took to find.
+/// The start of an alignment: a pose between the centred frames, and the effort spent on finding it.
 struct CloudStart {
   Pose pose = Pose::Identity();
   double nu_max = 0;   ///< metres, at the guess
@@ -24,12 +25,12 @@ struct CloudStart {
   std::int64_t searches_made = 0, searches_saved = 0;
 };
 
-/// Brings a guess into the basin of an alignment with all points. The first nu need few points, but equally
-/// far apart: rows and rings of a scan, dense near the sensor, hold on to those of the other. They go by
-/// distances to points, whose basin is wide, down to a nu where the method itself takes over. Where most of
-/// the points then still lie off the target (little overlap, or clutter that fills the room and outweighs the
-/// surfaces), points chosen evenly over the source have a try too, and the better one goes on. `setup`: of
-/// the method.
+/// Moves a guess into the basin of convergence of an alignment with all points. The first nu need few points,
+/// but these equally far apart: rows and rings of a scan, dense near the sensor, attract those of the other
+/// scan. These levels use distances to points, whose basin is wide, down to the nu from which the method
+/// itself continues. Where most of the points then still lie off the target (little overlap, or clutter that
+/// outnumbers the surfaces), a second attempt uses every n-th point of the source, and the better of the two
+/// poses is returned. `setup`: of the method.
 CloudStart approach(const CentredCloud& source, const CloudTarget& target, CloudProblem::Setup setup,
                     const Pose& guess);
 

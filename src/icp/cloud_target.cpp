@@ -18,13 +18,13 @@
 namespace scanlock {
 namespace {
 
-// Scales are medians; so many points spread over the cloud give them to a few percent.
+// Scales are medians: 1024 points spread over the cloud determine them to a few percent.
 constexpr std::size_t kScaleSamples = 1024;
-// A nu below these shares of the scene or of its sampling only follows float rounding.
+// A nu below these shares of the diagonal or of the spacing would only fit float rounding.
 constexpr double kLeastNuOfDiagonal = 1e-6;
 constexpr double kLeastNuOfSpacing = 0.01;
 
-/// Of an even number, the mean of the two in the middle.
+/// For an even number of values, the mean of the middle two; 0 for none. Reorders the values.
 float median(std::vector<float>* values) {
   if (values->empty()) return 0;
   const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
@@ -32,11 +32,12 @@ float median(std::vector<float>* values) {
   return values->size() % 2 == 1 ? *middle : 0.5f * (*middle + *std::max_element(values->begin(), middle));
 }
 
-/// Points in an order that keeps neighbours together, so that searches find the tree in cache.
+/// Points in Morton order, which keeps neighbours together, so that successive searches use the same parts of
+/// the tree, in cache.
 PointCloud in_morton_order(PointCloud points, double diagonal) {
   const float cells = diagonal > 0 ? static_cast<float>(1024.0 / diagonal) : 0.0f;
   std::vector<KeyedIndex> order(points.size());
-  // Counted from a corner, so that keys differ in few digits.
+  // Counted from a corner of a cube around the cloud, so that keys differ in few digits.
   const auto cell = [&](float v) { return static_cast<std::int32_t>(v * cells + 512.0f); };
   for (std::size_t i = 0; i < points.size(); ++i) {
     order[i] = {morton_key(cell(points.x[i]), cell(points.y[i]), cell(points.z[i])),
@@ -107,7 +108,7 @@ CentredCloud centred(const PointCloud& cloud) {
   return result;
 }
 
-/// Median over the samples of the median over their neighbours of distance(point, neighbour).
+/// Median over the samples of the median of distance(point, neighbour) over the neighbours of a sample.
 template <typename Distance>
 double CloudTarget::median_over_samples(const Distance& distance) const {
   std::vector<float> medians, distances;
@@ -131,7 +132,7 @@ CloudTarget::CloudTarget(const PointCloud& cloud, int threads) : cloud_(centred(
   for_each_chunk(samples_.size(), kChunk, threads, [&](std::size_t begin, std::size_t end) {
     Neighbour found[Sample::kNeighbours + 1];
     for (std::size_t s = begin; s < end; ++s) {
-      // The point itself is among those found, at distance 0.
+      // The first neighbour found is the point itself, at distance 0.
       const int count = tree_.k_nearest(points.point(s * stride), Sample::kNeighbours + 1, found);
       samples_[s].point = s * stride;
       samples_[s].count = count - 1;

@@ -12,15 +12,16 @@
 
 namespace scanlock {
 
-/// The unit normals of `cloud` from each point's `neighbours` nearest (itself included), zero where they span
-/// no plane. With `viewpoint` they look towards it; without, their sign means nothing. `tree` is of that
-/// cloud; `threads` does not change the answer. Normals that the cloud has already are normalised and kept,
-/// but for those that are zero or NaN.
+/// Sets the unit normals of `cloud`, each fitted to the `neighbours` nearest points (the point itself
+/// included), zero where these span no plane. Normals point towards `viewpoint` (metres, frame of the cloud);
+/// without one their sign is arbitrary. `tree`: of the cloud. `threads` does not change the result. Normals
+/// that the cloud already has are normalised and kept, except those that are zero or NaN.
 void estimate_normals(PointCloud* cloud, const KdForest& tree, int neighbours, int threads,
                       const Eigen::Vector3f* viewpoint = nullptr);
 
-/// The finite points of a cloud, shifted so that the centre of their bounding box is the origin: floats are
-/// precise there. They come in an order that keeps neighbours together.
+/// The finite points of a cloud, shifted such that the centre of their bounding box is the origin, where
+/// floats are most precise, and in an order that keeps neighbours together. Normals are kept, other
+/// attributes dropped.
 struct CentredCloud {
   PointCloud points;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< metres, in the cloud's own frame
@@ -28,22 +29,22 @@ struct CentredCloud {
 };
 CentredCloud centred(const PointCloud& cloud);
 
-/// A cloud made ready to be aligned to, as often as one likes: its index, its normals, and the scales that
-/// the paper derives from it alone.
+/// A cloud prepared as the target of any number of alignments: its search tree, its normals, and the scales
+/// that the paper derives from the target alone.
 class CloudTarget {
  public:
   static constexpr int kNormalNeighbours = 15;
-  /// How many neighbours make the normals of a cloud thinned to a point a `voxel` (0: not thinned): the means
-  /// of voxels are less noisy, and far apart.
+  /// Number of neighbours for the normals of a cloud thinned to one point per `voxel` (metres; 0: not
+  /// thinned): fewer for the means of voxels, which are less noisy and farther apart.
   static int normal_neighbours(double voxel) { return voxel > 0 ? 10 : kNormalNeighbours; }
 
   /// Throws std::invalid_argument when fewer than three points are finite. `threads` does not change the
-  /// answers.
+  /// result.
   explicit CloudTarget(const PointCloud& cloud, int threads = 1);
 
-  /// What the methods for planes need: the cloud's own normals are made unit, and what is missing is
-  /// estimated from so many `neighbours`, looking towards `viewpoint` (in the cloud's own frame) where one is
-  /// known.
+  /// Prepares the normals that methods with distances to planes require: normalises those of the cloud and
+  /// estimates missing ones from `neighbours` points, pointing towards `viewpoint` (metres, in the cloud's
+  /// own frame) if it is given.
   void prepare_normals(int threads = 1, const Eigen::Vector3d* viewpoint = nullptr,
                        int neighbours = kNormalNeighbours);
 
@@ -55,14 +56,14 @@ class CloudTarget {
 
   /// Median over the points of the median distance to six neighbours (section 4.3), metres.
   double spacing() const { return spacing_; }
-  /// spacing / (3 sqrt 3): the point-to-point rule; never below what floats resolve.
+  /// spacing / (3 sqrt 3), the point-to-point rule, metres; never below float resolution.
   double point_nu_min() const { return point_nu_min_; }
-  /// Section 5, after prepare_normals(): a sixth of the median over the points of the median distance of six
-  /// neighbours to their tangent plane.
+  /// Section 5: a sixth of the median over the points of the median distance of six neighbours to the tangent
+  /// plane of the point, metres. Valid after prepare_normals().
   double plane_nu_min() const { return plane_nu_min_; }
 
  private:
-  /// A point and its neighbours, from which the scales are medians.
+  /// One of the points for the scales, and its nearest neighbours.
   struct Sample {
     static constexpr int kNeighbours = 6;
     std::size_t point = 0;

@@ -12,16 +12,17 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kFew = 20000;      // a cloud that needs no thinning
-constexpr double kVoxelOfRadius = 0.05;  // the first guess: detail that is small against the scene
-// Of the points of a scan this share says all: the others repeat their neighbours in the same row.
+constexpr std::size_t kFew = 20000;      // points: a cloud up to this size needs no thinning
+constexpr double kVoxelOfRadius = 0.05;  // first guess of the voxel: detail that is small against the scene
+// This share of the points of a scan has all of its information: further points repeat their neighbours in
+// the same row.
 constexpr double kShare = 0.18, kLeast = 5000, kMostOfLeast = 24000, kMost = 30000;
-constexpr double kAim = 1.05;  // of what is wanted, so that one more step mostly gets there
-constexpr double kStep = 2.0;  // at most
+constexpr double kAim = 1.05;  // of the wanted number of points, so that one more step is mostly enough
+constexpr double kStep = 2.0;  // largest factor of the voxel in a step
 constexpr double kLeastStep = 1.03;
 constexpr int kRounds = 20;
 
-/// Median distance of the points from their median.
+/// Median distance of the points from their coordinate-wise median, metres, over every 16th point.
 double median_radius(const PointCloud& cloud) {
   std::vector<float> axis[3], radii;
   for (std::size_t i = 0; i < cloud.size(); i += 16) {
@@ -50,7 +51,8 @@ double sensible_voxel(const PointCloud& cloud) {
   for (int round = 0; round < kRounds; ++round) {
     const double left = static_cast<double>(count_voxels(cloud, static_cast<float>(voxel)));
     if (left >= least && left <= kMost) break;
-    // As the voxel shrinks, the points of far apart rows grow in proportion, those of dense surfaces faster.
+    // The number of voxels grows with 1 / voxel on scan rows that are far apart, and faster on densely
+    // sampled surfaces.
     if (left < least) {
       voxel /= std::clamp(kAim * least / std::max(left, 1.0), kLeastStep, kStep);
     } else {

@@ -12,10 +12,10 @@
 namespace scanlock {
 namespace {
 
-// Searching somewhat beyond the gate buys room for points without a neighbour to move before they are
-// searched again.
+// Searches reach somewhat beyond the gate, so that points without a neighbour can move some way before they
+// have to be searched again.
 constexpr float kSearchBeyondGate = 1.5f;
-// Distances are floats: what they say is trusted only up to this share.
+// Relative rounding error allowed for distances, which are floats.
 constexpr float kRounding = 1e-5f;
 
 }  // namespace
@@ -62,7 +62,8 @@ bool Correspondences::answer_from_memory(const Eigen::Vector3f& query, float gat
 }
 
 void Correspondences::search(const Eigen::Vector3f& query, float radius, Memory* memory) const {
-  // The points found last time bound the distances sought now, so the search prunes from its first step.
+  // The candidates of the last search give an upper bound of the distances, so that the search prunes from
+  // its first step.
   float bound = radius;
   if (memory->candidates[static_cast<std::size_t>(wanted_ - 1)] >= 0) {
     float farthest = 0;

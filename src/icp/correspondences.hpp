@@ -13,36 +13,36 @@ namespace scanlock {
 
 /// Nearest target points of a moving source, searched again only where the answer can have changed.
 ///
-/// A search keeps a few nearest target points, and with them a distance that all others are beyond. Once the
-/// source point has moved by m, all others are beyond that distance less m (triangle inequality): as long as
-/// the nearest of the few is nearer, it is the answer, and as long as the gate is nearer, there is none. So
-/// the answers are those of a search of every point at every update; only the work is less.
+/// A search stores the few nearest target points (candidates) and a distance d that all other target points
+/// exceed. Once the source point has moved by m, all other points are farther than d - m (triangle
+/// inequality): if the nearest candidate is nearer than that, it is the answer; if the gate is, no other
+/// point is within the gate. The answers are therefore those of a full search at every update, at lower cost.
 class Correspondences {
  public:
   static constexpr int kCandidates = 6;
 
-  /// Forgets everything and prepares for `n` source points. Cloud and its tree must outlive this object's
-  /// use. `candidates`, 2 to kCandidates: how many target points a search keeps. More make a search dearer,
-  /// and more of its answers last.
+  /// Clears all stored searches and prepares for `n` source points. The cloud and its tree must outlive the
+  /// use of this object. `candidates`, 2 to kCandidates: number of target points that a search stores. With
+  /// more, a search costs more, and its answers remain valid for larger motions.
   void reset(const PointCloud& target, const KdForest& tree, std::size_t n, int candidates = kCandidates);
 
-  /// Brings the answers up to date with the moved source (x, y, z of n points each, target frame, metres):
-  /// the nearest target point within `gate` metres of each. `threads` does not change the answers.
+  /// Updates the answers for the moved source (x, y, z of n points each, target frame, metres): the nearest
+  /// target point within `gate` metres of each. `threads` does not change the answers.
   void update(const std::vector<float>& x, const std::vector<float>& y, const std::vector<float>& z,
               float gate, int threads);
 
-  /// Index of the nearest target point; -1: there is none within the gate. One somewhat beyond the gate may
-  /// be named too: the distance, which changes with every move, is the caller's to compute.
+  /// Index of the nearest target point for each source point; -1: none within the gate. Points somewhat
+  /// beyond the gate may be returned, too: the caller computes the distance, which changes with every motion.
   const std::vector<std::int32_t>& indices() const { return indices_; }
 
-  /// The same for one source point, which is now at `query`; returns its answer and adds to `searches` what
-  /// it took. May run at the same time for different points; tell note() about the work when done.
+  /// Updates the answer for source point i, now at `query` (target frame, metres), and returns it; increments
+  /// `searches` if it had to search. Thread-safe for different i. Report the totals to note() afterwards.
   std::int32_t find(std::size_t i, const Eigen::Vector3f& query, float gate, std::int64_t* searches);
   void note(std::int64_t asked, std::int64_t searches) {
     searches_made_ += searches;
     searches_saved_ += asked - searches;
   }
-  /// What find() answered last.
+  /// The last answer of find() for source point i.
   std::int32_t found(std::size_t i) const { return memories_[i].answer; }
 
   std::int64_t searches_made() const { return searches_made_; }
@@ -51,8 +51,8 @@ class Correspondences {
  private:
   struct Memory {
     float x, y, z;      ///< position at the last search
-    float beyond = -1;  ///< no other target point was nearer than this; negative: never searched
-    float margin = -1;  ///< as long as the point has moved by less, the nearest candidate stays the nearest
+    float beyond = -1;  ///< metres: all other target points were at least this far; negative: not searched
+    float margin = -1;  ///< metres: for motions shorter than this, the nearest candidate stays the nearest
     std::int32_t answer = -1;
     std::array<std::int32_t, kCandidates> candidates{};  ///< nearest first; -1: none
   };

@@ -13,27 +13,28 @@
 namespace scanlock {
 namespace {
 
-// Open fields are about so weak.
+// Eigenvalues over trace: those of open fields are about as small.
 constexpr double kWeakTranslation = 0.0045;
 constexpr double kWeakRotation = 0.003;
-// A weak direction is charged to the body axes that make up most of it.
+// Least absolute component of a weak direction along a body axis that is reported as degenerate.
 constexpr double kShareOfAxis = 0.5;
 
-// Normals of neighbouring surfaces share their errors, so that what noise makes of H scatters: of smooth
-// tunnels it was half to three times what is expected.
+// Normals of neighbouring surfaces share their errors, so that the contribution of noise to H varies: in
+// smooth tunnels it was half to three times the expected one.
 constexpr double kMostNoise = 2.0;
 
 Eigen::Matrix3d damped_inverse(const Eigen::Matrix3d& block) {
   return (block + Eigen::Matrix3d::Identity() * (1e-9 * block.trace() + 1e-300)).inverse();
 }
 
-/// A motion that a scene holds more or less than the two others of its kind (translations, or rotations).
+/// An eigenvector of the information on translations, or on rotations.
 struct Direction {
-  Vector6 motion;       ///< unit in its own three; with it what the other three do that give way to it
-  double known, noise;  ///< information along it, and the part of it that noise makes
+  Vector6 motion;       ///< unit in its own three components; the other three follow with least resistance
+  double known, noise;  ///< information along the motion, and the contribution of noise to it
 };
 
-/// `first`: 0 for translations, 3 for rotations. The least known comes first.
+/// The three directions of translation (`first` = 0) or rotation (`first` = 3), in ascending order of
+/// information.
 std::array<Direction, 3> directions_of(const Matrix6& information, const Matrix6& noise, int first) {
   const int other = 3 - first;
   const Eigen::Matrix3d kept = information.block<3, 3>(first, first);
@@ -59,7 +60,7 @@ std::array<Direction, 3> directions_of(const Matrix6& information, const Matrix6
   return result;
 }
 
-/// A weak direction is charged to the body axes that make up most of it.
+/// The body axes along which a weak direction has a component above kShareOfAxis, as bits.
 std::uint32_t axes_of(const Direction& direction, int first) {
   std::uint32_t axes = 0;
   for (int axis = first; axis < first + 3; ++axis) {

@@ -15,19 +15,19 @@ namespace {
 
 constexpr double kUpright = 0.8;  // cosine of 37 degrees
 // Standard deviations of the neighbours about their line or plane, metres:
-constexpr double kThread = 0.03;  // so thin is only the line of a scan pattern, or a plane
+constexpr double kThread = 0.03;  // thinner neighbourhoods are a line of the scan pattern, or a plane
 constexpr double kThin = 0.05;
-constexpr double kLeastNoise = 0.015;  // metres, of ranges: what a few points make look less is luck
+constexpr double kLeastNoise = 0.015;  // metres, noise of ranges: a smaller one among few points is chance
 constexpr int kFewest = 5;             // neighbours
-// Of the radius: how thick a post is at least taken to be, for a map keeps one point of a voxel, a quarter of
-// that wide, and what is spread evenly over half of it has this standard deviation.
+// Least thickness assumed for a post, as a share of the radius: the map keeps one point per voxel, whose edge
+// is a quarter of the radius, and a uniform distribution over half an edge has this standard deviation.
 constexpr float kUnsure = 0.125f / 3.4641f;
-// Weight of a plane whose points spread half as far across as along. A cap on cost: a wider look at those of
-// more weight changes the errors little and takes a tenth to a third more time.
+// Weight of a plane whose points spread half as far across as along. It limits the cost: to refit planes of
+// more weight with a wider neighbourhood changes the errors little and takes a tenth to a third more time.
 constexpr float kMostlyALine = 0.25f;
-constexpr float kGrazing = 0.1f;  // sine of the angle of incidence below which a plane is doubted
+constexpr float kGrazing = 0.1f;  // sine of the angle between ray and plane below which a plane weighs less
 
-/// How neighbours lie about their centroid, in the first kAxes of x, y and z.
+/// The distribution of neighbours about their centroid, in the first kAxes of x, y and z.
 template <int kAxes>
 struct Spread {
   Spread(const PointCloud& cloud, const Neighbour* neighbours, int count) {
@@ -47,21 +47,21 @@ struct Spread {
     centre = mean.cast<float>() + origin;
     deviation = eigen.values.cwiseMax(0.0).cwiseSqrt();
     axes = eigen.vectors;
-    // Of n neighbours a fit leaves n - kAxes to show the noise.
+    // A fit to n neighbours leaves n - kAxes degrees of freedom for the noise.
     const double noise =
         std::max(deviation[0] * std::sqrt(count / static_cast<double>(count - kAxes)), kLeastNoise);
     noise_of_mean = noise / std::sqrt(static_cast<double>(count));
   }
-  /// Standard deviation (radians) of the first axis towards another one, where the neighbours are off their
-  /// plane by independent noise: the perturbation of an eigenvector, sqrt(l1 lk / n) / (lk - l1).
+  /// Standard deviation (radians) of the first axis towards axis `other`, if the distances of the neighbours
+  /// from their plane are independent noise: the perturbation of an eigenvector, sqrt(l1 lk / n) / (lk - l1).
   double tilt(int other) const {
     const double apart = deviation[other] * deviation[other] - deviation[0] * deviation[0];
     return std::min(noise_of_mean * deviation[other] / std::max(apart, 1e-12), 1.0);
   }
   Eigen::Vector3f own, centre;                ///< the first neighbour, the centroid of all; metres
   Eigen::Matrix<double, kAxes, 1> deviation;  ///< metres, ascending
-  Eigen::Matrix<double, kAxes, kAxes> axes;   ///< in columns, likewise
-  double noise_of_mean;                       ///< metres, along the first
+  Eigen::Matrix<double, kAxes, kAxes> axes;   ///< in columns, in the same order
+  double noise_of_mean;                       ///< metres, of the centroid along the first axis
 };
 
 /// See fit_surface(), and with `lines` LocalSurfaces::fit_plane_or_line().
@@ -73,7 +73,7 @@ Surface surface_of(const Spread<3>& spread, bool lines) {
   surface.normal = spread.axes.col(0).cast<float>();
   surface.weight = static_cast<float>(planarity * planarity);
   surface.scale = static_cast<float>(std::min(1.0, kThin / deviation[0]));
-  // Of ground and the foot of a wall the centroid lies on neither.
+  // The centroid of neighbours on the ground and on the foot of a wall lies on neither of the two.
   surface.centre = surface.scale < 1 ? spread.own : spread.centre;
   surface.tilt = (spread.tilt(1) * spread.axes.col(1)).cast<float>();
   surface.tilt_across = static_cast<float>(spread.tilt(2));
@@ -90,7 +90,7 @@ Surface surface_of(const Spread<3>& spread, bool lines) {
   return surface;
 }
 
-/// Whether few of the points at the height of a line's own are beside it.
+/// True if at most a fifth of the points between the ends of a line are beside it.
 bool stands_alone(const PointCloud& cloud, const Surface& line, const Neighbour* own, int count,
                   const Neighbour* around, int around_count) {
   const auto off = [&](const Neighbour& n) -> Eigen::Vector3f {
@@ -112,8 +112,8 @@ bool stands_alone(const PointCloud& cloud, const Surface& line, const Neighbour*
   return beside * 5 <= level;
 }
 
-/// Clutter that a single scan line crosses is flat, but the plane is the one that the sensor swept: seen from
-/// it, edge-on.
+/// Factor of a plane's weight. The points of a single scan line across clutter lie in a plane, but in the one
+/// that the beam sweeps, which the sensor sees edge-on, and not in one of the scene.
 float edge_on_weight(const Surface& plane, const Eigen::Vector3f& eye) {
   const float cosine = plane.normal.dot((plane.centre - eye).normalized());
   return std::min(1.0f, cosine * cosine / (kGrazing * kGrazing));
@@ -217,15 +217,15 @@ Surface LocalSurfaces::fit_plane_or_line(std::size_t at, const Neighbour* near, 
     const Spread<3> spread(*cloud_, near, count);
     surface = surface_of(spread, true);
     if (surface.line) {
-      // The line of a scan pattern on a wall has others beside it; a trunk has not.
+      // A line of the scan pattern on a wall has further lines beside it; a trunk has none.
       look_around();
       if (stands_alone(*cloud_, surface, near, count, around.data(), wide)) return surface;
       surface = surface_of(spread, false);
     }
     if (spread.deviation[0] >= kThread || surface.weight >= kMostlyALine) return surface;
   }
-  // Where a sensor's rings are far apart, the nearest points are all of one: the next ones tell more, if all
-  // lie on one plane.
+  // Where the rings of the sensor are far apart, the nearest points are all on one ring: a wider
+  // neighbourhood determines the plane better, if all of it lies on one plane.
   look_around();
   if (wide < kFewest) return surface;
   const Spread<3> spread(*cloud_, around.data(), wide);

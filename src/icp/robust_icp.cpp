@@ -53,7 +53,7 @@ DescentResult descend(DescentProblem& problem, const StateVector& start, const D
     best.converged = step_length < options.tolerance;
     if (best.converged || best.iterations >= options.max_iterations) break;  // 1: 7, 2: 5
 
-    // Anderson acceleration; without a history the image itself. 1: 5-6, 17-23, 2: 4, 24-27
+    // Anderson acceleration; the image itself without a history. 1: 5-6, 17-23, 2: 4, 24-27
     StateVector trial = anderson.next(x, image);
     const bool accelerated = trial != image;
     double reached = problem.evaluate(trial);  // 1: 9, 2: 7
@@ -67,8 +67,8 @@ DescentResult descend(DescentProblem& problem, const StateVector& start, const D
       reached = problem.evaluate(trial);
       ++best.evaluations;
     }
-    // 2: 9-18. A step of a few tolerances that does not descend has met the noise floor: correspondences flip
-    // back and forth there.
+    // 2: 9-18. No line search for steps of at most kNoiseFloor tolerances: these are at the noise floor,
+    // where correspondences flip back and forth.
     const bool worth_searching = step_length > kNoiseFloor * options.tolerance;
     const int line_search_steps = worth_searching ? options.max_line_search_steps : 0;
     double length = 1.0;

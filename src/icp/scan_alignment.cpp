@@ -30,7 +30,8 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
   work.nu = options.nu_max;
   work.evaluate(start);
   // Section 5: the first scale is three times the median residual at the start. Where most points lie on the
-  // ground, which fits anyhow, that says nothing of how far the others are off: nu_first does.
+  // ground, which fits at almost any pose, the median does not measure the error of the other points;
+  // nu_first is a lower bound for these.
   const double nu_max = std::clamp(std::max(3.0 * work.median_absolute_residual(), options.nu_first),
                                    options.nu_min, options.nu_max);
   const DescentResult found =
@@ -38,11 +39,11 @@ ScanAlignment ScanAligner::align(const PointCloud& source, const AlignmentTarget
         work.nu = nu;
         DescentOptions descent;
         descent.anderson_window = options.anderson_window;
-        // A line search would end where the points of a scan that is bent by a wrong velocity change their
-        // correspondences; that velocity would feed the next prediction.
+        // A line search would stop where points of a scan that is distorted by a wrong velocity change their
+        // correspondences, and the next prediction would use this wrong velocity.
         descent.max_line_search_steps = 0;
         descent.patience = 3;
-        // The upper scales only have to bring the lower ones into their basin.
+        // The upper scales only have to reach the basin of convergence of the next lower scale.
         descent.max_iterations = last ? options.max_iterations : std::max(options.max_iterations / 3, 1);
         descent.tolerance = last ? options.tolerance : std::max(options.tolerance, 0.1 * nu);
         return NuLevel{x, descent};

@@ -16,7 +16,7 @@ void ScanMotion::set_times(const std::vector<float>& times) {
   if (*least == 0.0f && *greatest == 0.0f) return;
   still_ = false;
   first_ = *least;
-  // A single instant away from the stamp still needs an interval to lie in.
+  // Not zero, also where all times are one instant other than the stamp.
   step_ = std::max(static_cast<double>(*greatest) - first_, 1e-6) / kKnots;
   knots_.resize(times.size());
   fractions_.resize(times.size());

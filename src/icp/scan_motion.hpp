@@ -10,22 +10,22 @@
 
 namespace scanlock {
 
-/// By how much a body that accelerates during a scan is off the straight way at t, per unit of acceleration:
-/// zero at the stamp, and alike at both ends, so that the twist is the mean velocity of the scan. `middle`:
-/// of the times of the scan; seconds.
+/// Displacement of an accelerating body from its motion at constant twist, at t seconds from the stamp, per
+/// unit of acceleration (s^2). It is zero at the stamp and equal at both ends of the scan, so that the twist
+/// is the mean velocity of the scan. `middle`: of the times of the scan, seconds from the stamp.
 inline double bend_at(double t, double middle) {
   return 0.5 * t * (t - 2 * middle);
 }
 
-/// Variance of the acceleration of such a way, the parabola that fits best (least squares over `seconds`),
-/// where the acceleration is white noise of power spectral density one: the fit takes 30 s^2 (1 - s)^2 of an
-/// impulse at the share s of the time, and 900 B(5, 5) is 10 / 7.
+/// Variance of the acceleration of the parabola that fits a motion best (least squares over `seconds`), if
+/// the true acceleration is white noise of power spectral density one: the fit weights an impulse at the
+/// share s of the time by 30 s^2 (1 - s)^2, and the integral of its square is 900 B(5, 5) = 10 / 7.
 inline double acceleration_variance(double seconds) {
   return 10.0 / 7.0 / seconds;
 }
 
-/// exp(t * twist + bend_at(t) * acceleration) for the times of a scan: exact at kKnots + 1 instants, linear
-/// in between. At 180 deg/s over 0.1 s the linear part is wrong by 1e-5 rad at most.
+/// exp(t * twist + bend_at(t) * acceleration) for the times of a scan: exact at kKnots + 1 instants (knots),
+/// interpolated linearly in between. At 180 deg/s over 0.1 s the interpolation error is at most 1e-5 rad.
 class ScanMotion {
  public:
   static constexpr int kKnots = 32;
@@ -43,7 +43,8 @@ class ScanMotion {
     return still_ ? 0 : knots_[point] + (fractions_[point] > 0.5f ? 1 : 0);
   }
 
-  /// The point `i` with body coordinates p at its own time, in the body frame at the stamp.
+  /// Transforms point `i`, with coordinates p (metres) in the body frame at its own time, to the body frame
+  /// at the stamp.
   Eigen::Vector3f at_stamp(std::size_t i, const Eigen::Vector3f& p) const {
     if (still_) return p;
     const std::size_t k = static_cast<std::size_t>(knots_[i]);

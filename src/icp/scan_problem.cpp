@@ -12,19 +12,19 @@
 namespace scanlock {
 namespace {
 
-constexpr double kStraight = 1e-8;  // variance of an acceleration that is held at zero
+constexpr double kStraight = 1e-8;  // least variance of the acceleration, which holds it at zero
 
-/// Sums over the points of one knot, in the frame of the prior's pose: j = [n; w x n].
+/// Sums over the points whose nearest knot is the same, in the frame of the prior's pose: j = [n; w x n].
 struct KnotSums {
   Matrix6 jj = Matrix6::Zero();
   Vector6 jr = Vector6::Zero();
 };
 
-/// Whether a ray that comes this way meets the other side of a plane than the one that was seen, by more than
-/// the error of its normal (two standard deviations): a thin wall has two.
+/// True if a ray from the sensor in the direction `to_eye` (metres) meets the unobserved side of a plane, by
+/// more than two standard deviations of its normal: the two sides of a thin wall are different surfaces.
 bool is_behind(const Surface& surface, const Eigen::Vector3f& to_eye) {
   const float towards = surface.normal.dot(to_eye);
-  if (surface.line || towards >= 0) return false;  // nearly all: the rest is seldom worked out
+  if (surface.line || towards >= 0) return false;  // nearly all points, so that few need the lines below
   const float error = std::sqrt(surface.tilt.squaredNorm() + surface.tilt_across * surface.tilt_across);
   return towards < -2 * error * to_eye.norm();
 }
@@ -152,7 +152,7 @@ StateVector ScanProblem::image() {
   linearise(&hessian, &gradient);
   const Vector18 e = prior_error();
   const double scale = prior_share() * nu * nu * prior_weight(e.dot(held * e));
-  // d moves x by J_l(x)^-1 d to first order.
+  // A step d changes x by J_l(x)^-1 d to first order.
   Matrix18 to_error = Matrix18::Identity();
   to_error.topLeftCorner<6, 6>() = inverse(se3_left_jacobian(x));
   hessian += scale * to_error.transpose() * held * to_error;

@@ -12,9 +12,10 @@
 
 namespace scanlock {
 
-/// The energy of a scan alignment, see ScanAligner, as a problem of descent.
+/// The energy of a scan alignment, see ScanAligner, as a DescentProblem.
 /// State x = [log(prior^-1 pose); (twist - prior twist) * T; acceleration * T^2 / 8], T the duration of the
-/// scan: all in metres and radians. A scan without times shows no acceleration: its state ends before it.
+/// scan: all in metres and radians. The state of a scan without times has no acceleration, which it cannot
+/// observe.
 struct ScanProblem final : DescentProblem {
   // Inputs of the alignment under way; set by begin().
   const PointCloud* source = nullptr;
@@ -25,13 +26,13 @@ struct ScanProblem final : DescentProblem {
   ScanMotion motion;
   Correspondences correspondences;
   double nu = 1.0;
-  double duration = 0.1;  // seconds: makes a velocity a displacement
-  double arm = 10.0;      // metres: makes a rotation the motion of a typical point
+  double duration = 0.1;  // seconds: converts a velocity to a displacement
+  double arm = 10.0;      // metres: converts a rotation to the displacement of a typical point
   Vector6 x = Vector6::Zero(), twist = Vector6::Zero(), acceleration = Vector6::Zero();
   Matrix18 held = Matrix18::Zero();               // information of the prior
   std::vector<float> wx, wy, wz;                  // source in the target frame
-  Eigen::Vector3f eye = Eigen::Vector3f::Zero();  // the sensor at the stamp, target frame
-  // Per source point, NaN and 0 without a surface; see ScanAligner.
+  Eigen::Vector3f eye = Eigen::Vector3f::Zero();  // sensor origin at the stamp, target frame, metres
+  // Per source point; NaN (weights: 0) without a surface; see ScanAligner.
   std::vector<float> distances, residuals, weights;
   std::vector<double> kernel;  // Welsch's weight of the residual, where there is a surface
   int matched = 0;
@@ -46,37 +47,38 @@ struct ScanProblem final : DescentProblem {
   double evaluate(const StateVector& state) override;
   StateVector image() override;
   double distance(const StateVector& a, const StateVector& b) const override;
-  /// Residuals at the current correspondences, and the energy.
+  /// Computes the residuals at the current correspondences; returns the energy.
   double measure();
   double median_absolute_residual() const;
 
-  // ---- what the outcome is worth: scan_uncertainty.cpp
+  // ---- uncertainty of the result: scan_uncertainty.cpp
 
-  /// Information and scatter of pose and twist: the acceleration is solved along, and what is not known of it
-  /// is known less of them.
+  /// Sets information and scatter of pose and twist, with the acceleration marginalised: its uncertainty
+  /// lowers the information on both.
   void tell(ScanAlignment* result) const;
   /// The second derivative of Welsch's function, w (1 - r^2 / nu^2) along a residual and w across it, over w.
   double curvature() const;
-  /// What errors of the surfaces' normals alone put into the sum of w j j^T, as expected.
+  /// Expected contribution of errors of the surfaces' normals to the sum of w j j^T.
   Matrix6 noise() const;
 
-  // ---- parts of these
+  // ---- helpers of the functions above
 
-  /// Of the prior against a weight of 1 a source point. It does not change with nu: at the upper scales
-  /// residuals are not noise but misalignment, and a direction that the scene hardly fixes would slide before
-  /// the others have settled.
+  /// Weight of the prior against a weight of 1 for each source point. It does not change with nu: at the
+  /// upper scales residuals are misalignment and not noise, and with a weaker prior a direction that the
+  /// scene hardly constrains would drift before the other directions have converged.
   double prior_share() const { return options->sigma * options->sigma / (options->nu_min * options->nu_min); }
 
   Vector18 prior_error() const;
 
-  /// A residual of a point: of a plane its distance, of a line the two components of it.
+  /// A residual of a point: its distance from a plane, or one of the two components of its distance from a
+  /// line.
   struct Row {
     std::size_t point;
-    int knot;            // of its time
+    int knot;            // nearest to the time of the point
     Vector6 j;           // derivative by [d; eta] at that time, in the frame of the prior's pose
     double residual;     // metres
     double weight;       // of the surface
-    double along = 1.0;  // share of the distance that this component is: of a line 1 and 0
+    double along = 1.0;  // share of the distance in this component: for the two of a line, 1 and 0
   };
 
   template <typename Visit>
@@ -107,14 +109,15 @@ struct ScanProblem final : DescentProblem {
     }
   }
 
-  /// Of a point at the time of a knot: [d; eta] moves it as basis * [d; eta] would at the stamp.
+  /// For points at the time of a knot: a step [d; eta] of the state moves them as the pose step
+  /// basis * [d; eta] moves points at the stamp.
   Eigen::Matrix<double, 6, 18> basis_of(int knot) const;
 
   /// Gauss-Newton sums of the data: H = sum s w j j^T, g = sum s w r j, with j the derivative of r by
   /// [d; eta]: pose <- prior * exp(d) * exp(x), twist <- twist + eta,
   /// acceleration <- acceleration + the last six.
   void linearise(Matrix18* hessian, Vector18* gradient) const;
-  /// Sum of g g^T over the patches of the scene, g the sum of w r j of the points in it.
+  /// Sum of g g^T over the patches of the scene, g the sum of w r j over the points of a patch.
   Matrix18 scatter() const;
   std::uint64_t patch_of(std::size_t i) const;
 };

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// What the outcome of a scan alignment is worth: the parts of the sandwich of an M-estimator.
+// Uncertainty of a scan alignment: the parts of the sandwich covariance of an M-estimator.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,7 +10,7 @@
 namespace scanlock {
 namespace {
 
-/// Residuals spread evenly over the kernel leave about none: the bound keeps what is divided by it finite.
+/// Residuals spread evenly over the kernel have a curvature near 0: the bound keeps quotients finite.
 constexpr double kLeastCurvature = 0.05;
 
 }  // namespace
@@ -88,7 +88,8 @@ void ScanProblem::tell(ScanAlignment* result) const {
       -all.topRightCorner<12, 6>() * inverse(Matrix6(all.bottomRightCorner<6, 6>() + expected));
   result->pose_information = all.topLeftCorner<6, 6>();
   result->information = all.topLeftCorner<12, 12>() + along.rightCols<6>() * all.bottomLeftCorner<6, 12>();
-  // At the true acceleration the gradient of its prior is not zero either.
+  // The scatter of the gradient of the acceleration's prior, which at the true acceleration is not zero
+  // either.
   Matrix18 scattered = scatter();
   scattered.bottomRightCorner<6, 6>() += variance * expected;
   result->scatter = along * scattered * along.transpose();

@@ -6,7 +6,7 @@
 
 namespace scanlock {
 
-/// Welsch's function, equation 14: psi(x) = 1 - exp(-x^2 / (2 nu^2)), from the squared argument.
+/// Welsch's function, equation 14: psi(x) = 1 - exp(-x^2 / (2 nu^2)), as a function of x^2.
 inline double welsch(double squared_x, double nu) {
   return -expm1(-squared_x / (2.0 * nu * nu));
 }
@@ -16,7 +16,7 @@ inline double welsch_weight(double squared_x, double nu) {
   return exp(-squared_x / (2.0 * nu * nu));
 }
 
-/// Beyond this many nu the weight is below 1.6e-8: less than float resolution of a residual.
+/// Beyond this many nu the weight is below 1.6e-8, which is below the float resolution of a residual.
 constexpr double kWelschReach = 6.0;
 
 }  // namespace scanlock
