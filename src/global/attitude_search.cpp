@@ -11,13 +11,13 @@
 namespace scanlock {
 namespace {
 
-/// The same matches with the targets turned.
+/// The matches with their target points rotated.
 Matches turned(Matches matches, const Eigen::Matrix3d& rotation) {
   for (Match& match : matches) match.q = rotation * match.q;
   return matches;
 }
 
-/// The one nearest to a direction of any length, taken out.
+/// Removes and returns the unit vector nearest to `direction`, which may have any length.
 Eigen::Vector3d take_nearest(const Eigen::Vector3d& direction, std::vector<Eigen::Vector3d>* from) {
   const auto nearest = std::max_element(from->begin(), from->end(), [&](const auto& a, const auto& b) {
     return a.dot(direction) < b.dot(direction);
@@ -47,7 +47,8 @@ void add_runner_up(const Matches& matches, const MatchRegistrationOptions& searc
   turn(level.transpose(), found);
 }
 
-/// What the loser leaves open, and where it would rather be.
+/// Merges the search of another attitude into the best one: its upper bound, and its pose as the runner-up
+/// where that holds more matches than the runner-up so far and is a different hypothesis.
 void merge(const MatchRegistration& loser, const Eigen::Vector3d& centre, double epsilon,
            MatchRegistration* best) {
   best->upper_bound = std::max(best->upper_bound, loser.upper_bound);
@@ -83,19 +84,20 @@ MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOpti
   if (target_ups.empty() || matches.empty()) return register_matches(matches, search);
   const int fewest = std::max(kFewestMatches, search.at_least);
   const bool runner_up = search.runner_up;
-  search.runner_up = false;  // of the best one only: it takes longer than the answer
+  search.runner_up = false;  // only for the best attitude: this search takes longer than that for the pose
   std::vector<Eigen::Vector3d> left = target_ups;
   Eigen::Vector3d best_up = middle_of(target_ups);
   std::vector<MatchRegistration> found;
   std::size_t best = 0;
-  // What is nearest to the best so far comes next: the sooner much is found, the more can be pruned.
+  // The direction nearest to the best one so far is searched next: the sooner a large consensus is found, the
+  // more can be pruned.
   while (!left.empty()) {
     const Eigen::Vector3d up = take_nearest(best_up, &left);
-    // What loses is of interest only as a runner-up.
+    // A smaller consensus than the best one is of interest only for a runner-up.
     const int most = found.empty() ? 0 : found[best].consensus;
     const double wanted = runner_up ? most / kClearMargin : most + 1;
     search.at_least = std::max(fewest, static_cast<int>(std::ceil(wanted)));
-    if (search.max_work == 0) {  // what is left was not looked at: anything may be there
+    if (search.max_work == 0) {  // the remaining directions were not searched: no bound holds for them
       MatchRegistration unknown;
       unknown.upper_bound = static_cast<int>(matches.size());
       found.push_back(unknown);

@@ -15,10 +15,10 @@ namespace scanlock {
 SearchResult PoseSearch::run() {
   if (m_.size() > 0) {
     measure();
-    open_slabs();  // 2: 1, 2. All poses that hold a match
+    open_slabs();  // 2: 1, 2. All poses that hold any match
     if (!excluded_ && (pruning_ || answer_.consensus() == 0)) seed();
   }
-  // 2: 3, 6. Once the highest bound is no better than the incumbent, "prune w" leaves nothing.
+  // 2: 3, 6. Once the highest bound does not exceed the incumbent, "prune w" would remove all nodes.
   while (!open_.empty() && open_.highest_bound() >= wanted()) {
     if (out_of_budget()) {
       result_.upper_bound = std::max({result_.upper_bound, open_.highest_bound(), answer_.consensus()});

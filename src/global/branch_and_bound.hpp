@@ -13,31 +13,32 @@
 
 namespace scanlock {
 
-/// What ends a search early.
+/// Limits that end a search before its proof.
 struct SearchLimits {
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
   std::size_t nodes = std::numeric_limits<std::size_t>::max();
-  std::size_t work = std::numeric_limits<std::size_t>::max();  ///< matches looked at
+  std::size_t work = std::numeric_limits<std::size_t>::max();  ///< matches visited
   std::size_t list_entries = 100'000'000;                      ///< match indices in open nodes, 4 bytes each
-  std::function<void(int consensus, int upper_bound)> progress;  ///< called now and then, unless empty
+  std::function<void(int consensus, int upper_bound)> progress;  ///< called repeatedly, unless empty
 };
 
 struct SearchResult {
-  int upper_bound = 0;  ///< no pose (but excluded ones) holds more matches
+  int upper_bound = 0;  ///< no pose that is not excluded holds more matches
   bool finished = false;
   std::size_t nodes = 0, work = 0;
 };
 
-/// Best-first branch and bound over levelled poses (Algorithm 2, over all four axes): slabs of height, their
-/// sectors of angle bounded by votes, then boxes, whose match lists are inherited from box to box. Raises the
-/// incumbent. Finished, upper_bound == best.consensus.
+/// Best-first branch and bound over levelled poses (Algorithm 2, over all four axes): slabs of height,
+/// divided into sectors of angle that are bounded by votes, then into boxes, each of which inherits the match
+/// list of the box that it is a part of. Raises the incumbent `best`. If finished, upper_bound ==
+/// best.consensus.
 SearchResult search_poses(const LevelMatches& matches, Incumbent& best, const SearchLimits& limits = {},
                           const std::optional<ExcludedPoses>& excluded = std::nullopt);
 
-/// Fast match pruning (the rule of Algorithm 3, with bounds shared by boxes of poses instead of one by one):
-/// drops a match only when each box of poses that can hold it has a bound strictly below the incumbent's
-/// consensus; so every pose of largest consensus keeps all its inliers (Lemma 2). Raises the incumbent on its
-/// way. `kept` is ascending. Not finished, all matches are kept.
+/// Fast match pruning (the rule of Algorithm 3, with bounds of boxes of poses shared by all matches instead
+/// of one bound per match): drops a match only when each box of poses that can hold it has a bound strictly
+/// below the incumbent's consensus, so that every pose of largest consensus keeps all its inliers (Lemma 2).
+/// Raises the incumbent `best`. `kept`: indices, ascending; all matches if the search is not finished.
 SearchResult prune_matches(const LevelMatches& matches, Incumbent& best, std::vector<std::uint32_t>& kept,
                            const SearchLimits& limits = {});
 

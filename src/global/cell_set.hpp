@@ -8,7 +8,7 @@
 
 namespace scanlock {
 
-/// A set of keys other than the largest number: open addressing, at most half full.
+/// A set of 64-bit keys (2^64 - 1 is not allowed): open addressing, at most half full.
 class CellSet {
  public:
   std::size_t size() const { return size_; }

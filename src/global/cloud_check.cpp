@@ -13,8 +13,8 @@ namespace scanlock {
 namespace {
 
 constexpr std::size_t kSamples = 2500;
-constexpr float kNear = 1.5f;  // voxels: a surface sampled a point a voxel has one so near
-constexpr float kOn = 0.5f;    // voxels from its plane
+constexpr float kNear = 1.5f;  // voxels: a surface with one point per voxel has a point within this distance
+constexpr float kOn = 0.5f;    // voxels from the plane of a surface
 
 std::vector<std::uint32_t> every_nth(const std::vector<std::uint32_t>& from, std::size_t count) {
   const std::size_t stride = std::max<std::size_t>(1, from.size() / count);

@@ -13,39 +13,41 @@
 
 namespace scanlock {
 
-/// So few points of steep surfaces say little.
+/// Fewer points of steep surfaces are weak evidence.
 inline constexpr std::size_t kFewSteep = 100;
 
-/// What two clouds say about a pose between them.
+/// How well two clouds agree at a pose between them.
 struct CloudFit {
   /// Share of the points of one cloud that lie less than half a voxel from the plane of a surface of the
-  /// other cloud whose normal is alike. The larger of the shares in the two directions, for one cloud may
-  /// reach farther. Level ground, which fits everywhere, is left out where there is anything else, and so are
-  /// points above all that the other cloud tells of their column, for sensors differ in how high they see.
+  /// other cloud with a similar normal: the larger of the shares in the two directions, because one cloud may
+  /// cover more. Points of level surfaces, which fit everywhere, are left out if the cloud has enough steep
+  /// points, and so are points above the highest cell that the other cloud observed in their column, because
+  /// sensors differ in the height that they cover.
   double overlap = 0;
-  double residual = 0;  ///< metres: median distance from their plane of the points that are near any surface
-  /// Of the points that lie on a surface of the other cloud or in space that its rays crossed, the share of
-  /// the latter (see ContradictionOf). Points of moving objects, which other rays of their own cloud crossed,
-  /// are not counted.
+  double residual = 0;  ///< metres: median distance of the points near any surface from its plane
+  /// Share of points in free space of the other cloud, which its rays crossed, among the points that are
+  /// there or on a surface (see ContradictionOf). Points of moving objects, which other rays of their own
+  /// cloud crossed, are not counted.
   double contradiction = 0;
-  /// Of the target's points that are near a surface of the source or in space that its rays crossed, the
-  /// share of the latter.
+  /// Share of the target's points in free space of the source among those that are there or near a surface of
+  /// the source.
   double missing = 0;
-  double least_overlap = 0;  ///< as overlap, but the smaller share of the two directions
+  double least_overlap = 0;  ///< as overlap, but the smaller of the shares in the two directions
   std::size_t steep = 0;     ///< points of steep surfaces that the contradiction or the overlap counts
 };
 
-/// The cloud whose points the contradiction is counted over.
+/// The cloud whose points the contradiction counts.
 enum class ContradictionOf {
-  kWorse,  ///< the cloud with the greater share: for two clouds of one kind
-  kSource  ///< the source, among all of its points that the target tells anything of: for what a robot sees
-           ///< in a map, of which few points are where its rays went, and some are of what has moved since
+  kWorse,  ///< the cloud with the larger share: for two clouds of one kind
+  kSource  ///< the source, relative to its points in free space or near any surface of the target: for a scan
+           ///< in a map; few points of the map are in cells that rays of the scan crossed, and some of them
+           ///< are of objects that have moved since
 };
 
-/// A described cloud made ready to be compared with others.
+/// A described cloud prepared for comparisons with other clouds.
 class CloudCheck {
  public:
-  /// `cloud`: thinned by `voxel` (metres), with normals and where it was seen from. Must outlive this object.
+  /// `cloud`: thinned by `voxel` (metres), with normals and sensor origins. Must outlive this object.
   CloudCheck(const PointCloud& cloud, double voxel);
 
   /// The horizontal direction, in the cloud's frame, along which its surfaces constrain a translation least.
@@ -65,13 +67,14 @@ class CloudCheck {
  private:
   struct OneWay {
     double overlap = 0;
-    std::size_t on = 0, through = 0, steep = 0;  // samples; the last of both
-    std::vector<float> distances;
+    std::size_t on = 0, through = 0, steep = 0;  // samples: on a surface, in free space, steep ones of both
+    std::vector<float> distances;                // metres from the plane, of the samples near any surface
     std::size_t compared() const { return on + through; }
-    /// Of all points that are near any surface or where rays went, the share of the latter.
+    /// Share of samples in free space among those that are there or near any surface.
     double crossed() const;
   };
-  /// Whether rays of this cloud went through a sample of the other, which is at p here.
+  /// True if rays of this cloud crossed the sample of the cloud `from` at p, in the frame of this cloud, and
+  /// the sample is not of a moving object.
   bool contradicts(const CloudCheck& from, std::size_t sample, const Eigen::Vector3f& p,
                    const Eigen::Matrix3f& rotation) const;
   static OneWay one_way(const CloudCheck& from, const CloudCheck& to, const Pose& to_from_from);
@@ -80,7 +83,7 @@ class CloudCheck {
   float voxel_;
   KdTree tree_;
   std::vector<std::uint32_t> samples_;
-  std::vector<bool> moved_;  // of the samples: rays of the same cloud crossed there at another time
+  std::vector<bool> moved_;  // for each sample: other rays of the same cloud crossed it
   SeenSpace space_;
 };
 
@@ -89,8 +92,8 @@ class CloudCheck {
 CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
                 std::size_t count);
 
-/// For each of the places: of about `count` points of the source, turned by `attitude` and moved to the
-/// place, the number within two voxels of a surface of the target.
+/// For each of `places` (metres): the number of points, of about `count` points of the source rotated by
+/// `attitude` and moved to the place, that are within two voxels of a surface of the target.
 std::vector<std::uint16_t> surfaces_met(const CloudCheck& source, const CloudCheck& target,
                                         const Eigen::Matrix3d& attitude,
                                         const std::vector<Eigen::Vector3d>& places, std::size_t count);

@@ -21,11 +21,11 @@ namespace {
 constexpr double kWantedPoints = 8000, kWantedShare = 0.4, kTolerance = 1.25;
 constexpr int kVoxelRounds = 8;
 constexpr std::uint32_t kFewestNeighbours = 10;
-// Columns next to the histograms, which add up to 100 each: so many units for a voxel of height, at most so
-// many voxels, and so many units for the vertical component.
+// Columns next to the histograms, each of which adds up to 100: units per voxel of height, the largest height
+// in voxels, and units for a vertical component of 1.
 constexpr float kHeightWeight = 12, kMostHeight = 40, kTiltWeight = 20;
 
-/// Evenly `count` of the indices.
+/// `count` of the indices, evenly spaced.
 std::vector<std::uint32_t> spread(const std::vector<std::uint32_t>& from, std::size_t count) {
   if (from.size() <= count) return from;
   std::vector<std::uint32_t> result(count);
@@ -33,7 +33,7 @@ std::vector<std::uint32_t> spread(const std::vector<std::uint32_t>& from, std::s
   return result;
 }
 
-/// `radius`: metres, of what describes a point.
+/// `radius`: metres, of the neighbourhood that describes a point.
 std::vector<std::uint32_t> spread_keypoints(const PointCloud& cloud, float radius, std::size_t count) {
   NeighbourFinder finder(cloud, radius);
   std::vector<std::uint8_t> enough(cloud.size(), 0);
@@ -44,7 +44,7 @@ std::vector<std::uint32_t> spread_keypoints(const PointCloud& cloud, float radiu
     (std::abs(cloud.nz[i]) < kLevel ? steep : level).push_back(i);
   }
   std::vector<std::uint32_t> keypoints = spread(steep, count);
-  // Where hardly anything stands up, the shape of the ground is what there is.
+  // Where there are hardly any steep surfaces, the shape of the ground has to describe the place.
   if (keypoints.size() < count / 2) {
     const auto more = spread(level, count / 2 - keypoints.size());
     keypoints.insert(keypoints.end(), more.begin(), more.end());
@@ -95,8 +95,8 @@ double description_voxel(const PointCloud& cloud) {
   }
   const double wanted = std::min(kWantedPoints, kWantedShare * static_cast<double>(finite.size()));
   if (!(reach > 0) || wanted < 1) return 0;
-  // On surfaces the points that are left fall with the square of the voxel. What a finer voxel has left
-  // stands for the cloud, so that all points are looked at once or twice only.
+  // The number of points left on surfaces falls with the square of the voxel. The points left by a finer
+  // voxel replace the cloud in later rounds, so that all points are visited only once or twice.
   double voxel = reach / 100, finer = 0;
   std::vector<std::uint32_t> some = finite;
   for (int round = 0; round < kVoxelRounds; ++round) {

@@ -9,18 +9,18 @@
 
 namespace scanlock {
 
-/// |Vertical component of the normal| from which on a surface of a levelled cloud is level: it looks alike
+/// Least |vertical component of the normal| of a level surface in a levelled cloud; level surfaces look alike
 /// everywhere.
 inline constexpr float kLevel = 0.8f;
 
-/// Whether a point of a levelled cloud has a normal, and its surface stands up.
+/// Whether point i of a levelled cloud has a normal, and its surface is not level.
 inline bool is_steep(const PointCloud& cloud, std::size_t i) {
   return std::abs(cloud.nz[i]) < kLevel && cloud.normal(i).squaredNorm() > 0.5f;
 }
 
-/// The unit normal of each point from the neighbours within `radius` metres, looking towards the
-/// sensor that saw it; zero where there are fewer than five or they span no plane. Normals that the cloud
-/// brings are made unit and kept.
+/// Sets the unit normal of each point, fitted to the neighbours within `radius` metres and pointing towards
+/// the sensor origin of the point; zero where there are fewer than five neighbours or they span no plane. If
+/// the cloud has normals already, these are normalised and kept.
 void add_normals(PointCloud* cloud, float radius);
 
 }  // namespace scanlock

@@ -16,11 +16,11 @@
 namespace scanlock {
 namespace {
 
-constexpr double kHopeless = 0.5;                 // contradiction, before the refinement
-constexpr double kCrowd = 0.35, kCrowdReach = 2;  // of epsilon; of the scale then
+constexpr double kHopeless = 0.5;                 // contradiction that excludes a refinement
+constexpr double kCrowd = 0.35, kCrowdReach = 2;  // least scale, in epsilons; largest distance, in scales
 constexpr int kCrowdRounds = 8;
-constexpr double kStillFits = 0.95;  // of the overlap
-// Of the source, where others judge what comes of it: a pose good to some centimetres shows whether it fits.
+constexpr double kStillFits = 0.95;  // of the overlap of the unshifted pose
+// Source points of a refinement unless `judged`: accuracy of some centimetres is enough to compare fits.
 constexpr std::size_t kRefinedPoints = 2000;
 
 }  // namespace
@@ -36,8 +36,8 @@ double CloudPair::separation(const Pose& a, const Pose& b) const {
   return scanlock::separation(a, b, centre_, epsilon_);
 }
 
-/// Of all keypoints, too ambiguous to search with. Once a pose is known, it tells the right ones: those that
-/// agree with it.
+/// The matches of all keypoints. They are too ambiguous for a search; once a pose is known, the right matches
+/// are those that agree with it.
 const std::vector<SurfaceMatch>& CloudPair::all_matches() {
   if (matches_.empty()) matches_ = match_surfaces(source_, target_, kMostMatches);
   return matches_;
@@ -52,9 +52,9 @@ Matches CloudPair::matches(int lambda) {
   return result;
 }
 
-/// The pose that all matches near it crowd about. They count less the farther off they are (Welsch's
-/// weights), for what is within epsilon by chance is anywhere there. Keeps the start when they would carry
-/// the pose away from it: those are the matches of another pose.
+/// Fits the pose to all matches near it. Welsch's weights decrease with the distance, because matches that
+/// are within epsilon by chance are spread over all of that range. Returns the start when the fit leads to a
+/// different hypothesis, whose matches these then are.
 Pose CloudPair::middle_pose(const Pose& start) {
   Pose pose = start;
   const Eigen::Matrix3d level = level_rotation(pose.linear().col(2));
@@ -75,14 +75,15 @@ Pose CloudPair::middle_pose(const Pose& start) {
   return pose;
 }
 
-/// The pose near it at which the surfaces of all matches meet. (Not for callers who judge: what they make of
-/// the poses was settled with middle_pose().)
+/// The pose near `pose` at which the surfaces of all matches meet. (Only if `judged`: the criteria of callers
+/// that decide themselves were determined with middle_pose().)
 Pose CloudPair::surface_pose(const Pose& pose) {
   return fit_surfaces(all_matches(), pose, centre_, epsilon_);
 }
 
-/// Where the clouds carry the pose away from the start, that is another pose: with `judged` no refinement,
-/// else one if they fit better there than `at_start`, as where the body stands on another slope.
+/// Refines the start with the clouds. A result that is a different hypothesis is rejected if `judged`;
+/// otherwise it is accepted if the clouds fit better there than `at_start`, as where the body stands on
+/// another slope.
 Pose CloudPair::refined(const Pose& start, const CloudFit& at_start, std::uint32_t* degenerate_axes) {
   if (!index_) {
     index_.emplace(target_.points);
@@ -140,7 +141,8 @@ void CloudPair::compare_clouds(bool first, Hypothesis* hypothesis) {
   if (!first && hypothesis->fit.contradiction >= kHopeless) return;
   hypothesis->refined = refined(hypothesis->start, hypothesis->fit, &hypothesis->degenerate_axes);
   hypothesis->fit = fit(hypothesis->refined);
-  // Where surfaces leave a slide open, the clouds know more of it than the first matches did.
+  // Along a direction that the surfaces of the matches do not constrain, the refined pose is more accurate
+  // than the first matches.
   if (judged_)
     hypothesis->start =
         surface_pose(levelled(hypothesis->refined, hypothesis->start.linear().col(2), centre_));

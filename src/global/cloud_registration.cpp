@@ -19,17 +19,17 @@ namespace {
 constexpr double kEpsilonOfVoxel = 0.75;
 constexpr double kStrongOverlap = 0.55, kStrongLeastOverlap = 0.45;
 constexpr std::uint32_t kHorizontalAxes = 1u | 2u | 32u;  // x, y, yaw
-constexpr double kNoRival = 2;                            // consensus over what the runner-up may have
+constexpr double kNoRival = 2;                            // consensus over the bound of the runner-up
 constexpr int kPreciseMatches = 24;
-// Who draws long enough finds what looks right: later match sets have to pass both tests.
+// Enough attempts find a plausible pose by chance: results of later match sets have to pass both tests.
 constexpr int kPlainAttempts = 2;
-constexpr int kPeels = 4;
+constexpr int kPeels = 4;  // rounds of sequential consensus
 constexpr std::size_t kProposals = 8;
-constexpr std::size_t kFewAttitudes = 4;  // more take long
-constexpr double kSpread = 0.08;          // radians between attitudes that make a difference to a glance
+constexpr std::size_t kFewAttitudes = 4;  // to search in more attitudes takes long
+constexpr double kSpread = 0.08;          // radians between attitudes that change a coarse score
 constexpr double kPeeled = 2;             // epsilons
-constexpr double kOutOfQuestion = 0.4;    // of the score: so much behind the best proposal
-constexpr double kFarAhead = 1.6;         // consensus over what the runner-up may have
+constexpr double kOutOfQuestion = 0.4;    // score below that of the best hypothesis
+constexpr double kFarAhead = 1.6;         // consensus over the bound of the runner-up
 constexpr std::size_t kManyKeypoints = 300;
 
 std::string no_pose_has_enough(const MatchRegistration& search) {
@@ -39,7 +39,7 @@ std::string no_pose_has_enough(const MatchRegistration& search) {
   return "no pose with " + enough + " was found, not proven that there is none";
 }
 
-/// Every direction is near one of these.
+/// A subset of the directions such that each direction is within kSpread of one of the subset.
 std::vector<Eigen::Vector3d> spread_out(const std::vector<Eigen::Vector3d>& directions) {
   std::vector<Eigen::Vector3d> result;
   for (const Eigen::Vector3d& direction : directions) {
@@ -53,7 +53,7 @@ bool is_good(const Hypothesis& hypothesis) {
   return hypothesis.fit.contradiction <= kClearContradiction && hypothesis.fit.overlap >= kSomeOverlap;
 }
 
-/// One registration: its searches, and what to make of the poses that they find.
+/// One registration: its searches, and the decision between the poses that they find.
 class Registrar {
  public:
   Registrar(const CloudDescription& source, const CloudDescription& target,
@@ -104,14 +104,14 @@ MatchRegistration Registrar::search(const Matches& matches, bool runner_up, int 
   search.max_work = options_.max_work - std::min(options_.max_work, work_);
   search.budget_s = options_.budget_s;
   search.runner_up = runner_up;
-  search.prune = runner_up;                  // without one, as soon done without
-  search.weak_runner_up = !options_.judged;  // the clouds refute those anyway
+  search.prune = runner_up;                  // without a runner-up, pruning saves no time
+  search.weak_runner_up = !options_.judged;  // if judged, the clouds exclude weak ones
   search.rival_distance = kRivalEpsilons * epsilon_;
   search.rival_angle = kRivalAngle;
   return search_attitudes(matches, search, options_.target_ups, clouds_.centre());
 }
 
-/// Drops it when a hypothesis is there already.
+/// Adds the pose as a hypothesis, unless a hypothesis with about the same refined pose exists.
 void Registrar::add_hypothesis(const Pose& pose, int consensus) {
   const Hypothesis hypothesis = clouds_.examine(pose, consensus, hypotheses_.empty());
   const bool known = std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& other) {
@@ -127,9 +127,9 @@ void Registrar::settle_on(const Hypothesis& best) {
   result_.degenerate_axes = best.degenerate_axes;
 }
 
-/// Where matches are ambiguous the right pose need not have the most of them. Takes those of the poses found
-/// so far away, and looks at what the others agree on. A pose is taken away where it was found, too: its
-/// matches may crowd about one that is known already.
+/// Sequential consensus, because among ambiguous matches the right pose need not hold most of them: removes
+/// the matches of the poses found so far, and searches the remaining ones, repeatedly. The matches of a pose
+/// as it was found are removed, too: its refinement may have led to a hypothesis that is known already.
 void Registrar::look_for_more(Matches matches) {
   std::vector<Pose> found = {result_.solution.target_from_source, result_.solution.runner_up};
   for (const Hypothesis& h : hypotheses_) found.push_back(h.start);
@@ -149,7 +149,8 @@ void Registrar::look_for_more(Matches matches) {
   }
 }
 
-/// Far fewer matches than the best pose that the clouds do not contradict do not make a rival of it.
+/// The least consensus of a rival: far fewer matches than the best pose that the clouds do not contradict are
+/// not enough.
 int Registrar::fewest_of_a_rival() const {
   int most = 0;
   for (const Hypothesis& h : hypotheses_) most = std::max(most, is_good(h) ? h.consensus : 0);
@@ -171,7 +172,8 @@ void Registrar::attempt(const CloudDescription& source, const CloudDescription& 
     return;
   }
   add_hypothesis(result_.solution.target_from_source, result_.solution.consensus);
-  // One that half as many matches hold is no rival, and comparing clouds costs more than the search.
+  // A runner-up with at most half the consensus is no rival, and to compare the clouds costs more than the
+  // search.
   if (result_.solution.runner_up_consensus > 0 &&
       result_.solution.consensus < kNoRival * result_.solution.runner_up_bound)
     add_hypothesis(result_.solution.runner_up, result_.solution.runner_up_consensus);
@@ -240,14 +242,14 @@ void Registrar::judge() {
   }
 }
 
-/// The poses that matches and clouds propose and the clouds do not rule out, the likeliest first.
+/// The hypotheses from matches and surfaces that the clouds do not exclude, the best score first.
 CloudRegistration Registrar::propose() {
   Matches matches = clouds_.matches(options_.lambda);
   result_.solution = search(matches, true);
   account(result_.solution);
   result_.attempts = 1;
   if (result_.solution.consensus < kFewestMatches) {
-    matches = clouds_.matches(kMostMatches);  // of sparse clouds hardly any are right
+    matches = clouds_.matches(kMostMatches);  // in sparse clouds hardly any match is right
     result_.solution = search(matches, true);
     account(result_.solution);
     result_.attempts = 2;
@@ -272,8 +274,8 @@ CloudRegistration Registrar::propose() {
   const bool clear =
       s.consensus >= kFarAhead * s.runner_up_bound && is_good(hypotheses_.front()) && good_ones() == 1;
   if (!few && !clear) {
-    // Where matches have led to a good pose, a look for rivals is enough. What else matches may say is of
-    // interest where nothing is good, or where they left several that are.
+    // If the matches led to a good hypothesis, rivals are sought in the mean direction only. Further poses
+    // from matches are needed if no hypothesis is good, or if the matches led to a good one and several are.
     const bool matched = good_ones() > 0;
     add_likely(matched ? std::vector<Eigen::Vector3d>{middle_of(options_.target_ups)}
                        : spread_out(options_.target_ups));
@@ -294,7 +296,8 @@ CloudRegistration Registrar::propose() {
   char odds[40];
   std::snprintf(odds, sizeof odds, "; log odds %.1f", result_.log_odds);
   result_.why = numbers() + odds;
-  // What moved since, or moves, contradicts the right place, too; then no other one is nearly as good.
+  // Objects that move, or have moved since, contradict the right pose, too; but then no other pose is nearly
+  // as good, and the log odds are positive.
   if (best.fit.contradiction > kImpossible && result_.log_odds <= 0) {
     result_.why = "the clouds contradict every pose: " + result_.why;
     return result_;
@@ -327,8 +330,8 @@ CloudRegistration Registrar::decide() {
   return result_;
 }
 
-/// Few matches can make a pose certain, but not precise: more are worth another search, which may also
-/// object.
+/// A certain pose with few matches may be imprecise: searches again with the matches of all keypoints. If
+/// these lead to a different pose, the verdict becomes ambiguous.
 void Registrar::try_again() {
   const CloudRegistration first = result_;
   attempt(source_, target_);

@@ -6,10 +6,10 @@
 
 namespace scanlock {
 
-/// CPU milliseconds of the calling thread.
+/// CPU time of the calling thread, milliseconds.
 class CpuClock {
  public:
-  /// Since the last lap.
+  /// Milliseconds since the last call, or since construction.
   double lap() {
     const double now = read(), ms = now - last_;
     last_ = now;

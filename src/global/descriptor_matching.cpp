@@ -11,7 +11,7 @@ namespace {
 
 constexpr Eigen::Index kBlock = 64;  // rows: a block of distances stays in cache
 
-/// The nearest rows of one descriptor, found in any order of offers.
+/// The nearest rows of one descriptor; the result does not depend on the order of the calls of offer().
 class Nearest {
  public:
   struct Entry {
@@ -39,14 +39,14 @@ class Nearest {
   float bound_ = std::numeric_limits<float>::infinity();
 };
 
-/// Columns of a product that are summed at once, in registers.
+/// Number of columns of a product that are summed at once, in registers.
 constexpr Eigen::Index kStrip = 16;
 using Strip = Eigen::Array<float, kStrip, 1>;
 
-/// The first `rows` rows of `product` become a b, where `a` points to the first of so many rows, and b has a
-/// multiple of kStrip columns. Each element is a sum in the order of the columns of a. Eigen's product has
-/// other orders for other processors, and on arm64 fused additions, so that near ties between descriptors
-/// would be decided in another way there.
+/// Sets the first `rows` rows of `product` to a b, where `a` points to the first of `rows` rows, and the
+/// number of columns of b is a multiple of kStrip. Each element is summed in the order of the columns of a.
+/// The order of Eigen's product depends on the processor, with fused additions on arm64, so that near ties
+/// between descriptors would be decided differently there.
 void multiply(const float* a, Eigen::Index rows, const Descriptors& b, Descriptors* product) {
   const Eigen::Index depth = b.rows();
   for (Eigen::Index column = 0; column < b.cols(); column += kStrip) {
@@ -72,7 +72,7 @@ std::vector<MutualPair> mutual_nearest(const Descriptors& a, const Descriptors& 
   std::vector<MutualPair> pairs;
   if (capacity == 0 || a.rows() == 0 || b.rows() == 0) return pairs;
   std::vector<Nearest> of_a(static_cast<std::size_t>(a.rows())), of_b(static_cast<std::size_t>(b.rows()));
-  // About a common mean, so that |a|^2 + |b|^2 - 2 a.b cancels less.
+  // Relative to a common mean, which reduces the cancellation in |a|^2 + |b|^2 - 2 a.b.
   const Eigen::RowVectorXf mean = b.colwise().mean();
   const Descriptors centred_a = a.rowwise() - mean;
   const Eigen::MatrixXf columns_b = (b.rowwise() - mean).transpose();

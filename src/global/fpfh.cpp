@@ -17,8 +17,8 @@ namespace {
 constexpr int kBins = kFpfhSize / 3;
 constexpr int kMiddle = kBins / 2;
 
-/// Sines and cosines of the borders between bins of the angle, from the middle bin to either side: with them
-/// the bin of an angle is found from its sine and cosine.
+/// Sines and cosines of the borders between the bins of the angle, from the middle bin to either side, by
+/// which the bin of an angle is found from its sine and cosine.
 struct AngleBorders {
   std::array<float, kMiddle> sine{}, cosine{};
   AngleBorders() {
@@ -35,7 +35,7 @@ struct AngleBorders {
   }
 };
 
-/// Of a value in [-1, 1].
+/// The bin of a value in [-1, 1].
 int linear_bin(float value) {
   const int bin = static_cast<int>(static_cast<float>(kBins) * (value + 1.0f) * 0.5f);
   return bin < 0 ? 0 : bin < kBins ? bin : kBins - 1;
@@ -54,9 +54,10 @@ Vector choose(bool first, const Vector& a, const Vector& b) {
   return {first ? a.x : b.x, first ? a.y : b.y, first ? a.z : b.z};
 }
 
-/// The three angles between a point and others, with normals, as bins. The same seen from either point: the
-/// frame stands on the one whose normal is nearer to the line between them, or has the lower index. Many at
-/// once and without a branch, so that the compiler takes several in a step.
+/// The bins of the three angles between a point and each of several others, all with normals. They are the
+/// same if the two points of a pair are exchanged: the frame is at the point whose normal is nearer to the
+/// line between the two, or which has the lower index. Many pairs at once and without a branch, so that the
+/// compiler can vectorise the loop.
 class PairBins {
  public:
   std::vector<std::uint32_t> others;
@@ -89,7 +90,7 @@ class PairBins {
       Vector v = cross(line, n1);
       const float v_length = std::sqrt(dot(v, v));
       v = {v.x / v_length, v.y / v_length, v.z / v_length};
-      // Pairs without a frame get what three zeros give.
+      // Pairs without a frame get the bins of three zeros.
       const bool framed = v_length > 0;
       first[k] = borders.bin(framed ? dot(cross(n1, v), n2) : 0.0f, framed ? dot(n1, n2) : 1.0f);
       second[k] = linear_bin(framed ? dot(v, n2) : 0.0f);
@@ -101,7 +102,7 @@ class PairBins {
   std::vector<float> sign_, dx_, dy_, dz_, nx_, ny_, nz_;
 };
 
-/// The simplified histograms of all points that some keypoint has in its neighbourhood.
+/// The simplified histograms (SPFH) of all points in the neighbourhood of any keypoint.
 class SimpleHistograms {
  public:
   SimpleHistograms(const PointCloud& cloud, NeighbourFinder& finder,
@@ -117,7 +118,7 @@ class SimpleHistograms {
       neighbours[row_[a]] = near.count();
       pairs.others.clear();
       for (std::uint32_t b : near.index) {
-        const bool counted = row_[b] != kNone && b < a;  // pairs count for both, once
+        const bool counted = row_[b] != kNone && b < a;  // each pair is counted once, for both points
         if (b != a && !counted) pairs.others.push_back(b);
       }
       pairs.compute(cloud, a, borders);
@@ -133,7 +134,7 @@ class SimpleHistograms {
     }
   }
 
-  /// Of a point near a keypoint.
+  /// The histograms of point i, which has to be near a keypoint.
   const float* of(std::uint32_t i) const { return rows_.data() + std::size_t{row_[i]} * kFpfhSize; }
 
  private:

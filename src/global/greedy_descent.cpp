@@ -1,13 +1,14 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// How a pose search finds poses: down the fullest parts, without a proof.
+// Greedy descent: finds poses for a pose search in the fullest sectors, cells and boxes, without a proof.
 #include <algorithm>
 
 #include "global/pose_search.hpp"
 
 namespace scanlock {
 
-/// Without a pose nothing closes: goes down the fullest sectors of the fullest slab before all else.
+/// Finds a first pose, without which no node can be pruned: descends into the fullest sectors of the fullest
+/// slab.
 void PoseSearch::seed() {
   const Node slab = open_.pop();
   std::size_t n = voting_.load_slab(slab.box.centre.z, slab.box.half_z);
@@ -50,7 +51,7 @@ void PoseSearch::descend(const Sector& sector, int bound) {
   }
 }
 
-/// Goes down the fuller halves.
+/// Halves the box of the cell repeatedly, going on with the fuller half, and offers the poses found.
 void PoseSearch::descend(const VotedCell& cell) {
   PoseBox box = cell.box, halves[2];
   double lever = lever_;
@@ -75,7 +76,7 @@ void PoseSearch::descend(const VotedCell& cell) {
 }
 
 void PoseSearch::offer(const LevelPose& pose, int count, const std::vector<std::uint32_t>& held) {
-  constexpr std::size_t kClimb = 16;  // times that a climb looks at a match
+  constexpr std::size_t kClimb = 16;  // times that a climb visits a match
   result_.work += kClimb * held.size();
   if (answer_.offer(pose, count, held)) descents_ = 0;
 }

@@ -13,7 +13,7 @@
 namespace scanlock {
 namespace {
 
-/// The lowest point of each cell that has one, sorted by cell.
+/// The lowest point of each horizontal cell with points, sorted by cell.
 class LowestPoints {
  public:
   LowestPoints(const PointCloud& cloud, float cell) : cell_(cell) {
@@ -27,7 +27,7 @@ class LowestPoints {
                   lowest_.end());
   }
 
-  /// Of the `count` cells that are nearest to the origin, what is lowest about each.
+  /// about() the centres of the `count` cells nearest to the origin.
   std::vector<float> about_origin(std::size_t count) const {
     std::vector<Lowest> near = lowest_;
     const auto squared = [&](const Lowest& l) {
@@ -48,6 +48,7 @@ class LowestPoints {
     return result;
   }
 
+  /// The lowest z, metres, in the nine cells around (x, y).
   float about(float x, float y) const {
     float z = std::numeric_limits<float>::infinity();
     for (std::int64_t dy = -1; dy <= 1; ++dy) {

@@ -12,8 +12,8 @@ namespace scanlock {
 namespace {
 
 constexpr double kMostResidual = 0.18;       // voxels
-constexpr double kPriceOfContradiction = 4;  // of overlap
-constexpr double kRivalOverlap = 0.75;       // of the best pose's
+constexpr double kPriceOfContradiction = 4;  // overlap per contradiction
+constexpr double kRivalOverlap = 0.75;       // of the overlap of the best pose
 constexpr double kRefuted = 0.06;            // contradiction
 // See log_odds().
 constexpr double kOddsOfNothing = -7.6, kOddsOfOverlap = 13.6, kOddsOfLead = 27.5,

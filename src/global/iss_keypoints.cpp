@@ -7,7 +7,7 @@
 namespace scanlock {
 namespace {
 
-/// The smallest eigenvalue of the scatter of the neighbours about the point; 0 where the point cannot be a
+/// The smallest eigenvalue of the scatter of the neighbours about the point; 0 if the point cannot be a
 /// keypoint.
 double saliency(const PointCloud& cloud, const NeighbourLists& neighbours, std::size_t i,
                 const IssOptions& options) {
@@ -20,7 +20,7 @@ double saliency(const PointCloud& cloud, const NeighbourLists& neighbours, std::
   const Eigen::Vector3d l = symmetric_eigen(scatter).values;  // ascending
   const bool distinct = l[1] < static_cast<double>(options.ratio21) * l[2] &&
                         l[0] < static_cast<double>(options.ratio32) * l[1];
-  return distinct && l[0] > 1e-9 * l[2] ? l[0] : 0.0;  // below, it is rounding
+  return distinct && l[0] > 1e-9 * l[2] ? l[0] : 0.0;  // smaller values are rounding errors
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ struct IssOptions {
   int least_neighbours = 5;                  ///< within the suppression radius, the point itself included
 };
 
-/// Intrinsic shape signature keypoints (Zhong 2009), ascending indices. As in the Point Cloud Library a
-/// neighbourhood's scatter is about its point, unweighted. `neighbours` are those within the salient radius.
+/// Intrinsic shape signature keypoints (Zhong 2009), as ascending indices. As in the Point Cloud Library, the
+/// scatter of a neighbourhood is about its point, unweighted. `neighbours`: those within the salient radius.
 std::vector<std::uint32_t> iss_keypoints(const PointCloud& cloud, const NeighbourLists& neighbours,
                                          const IssOptions& options);
 

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// The registration of clouds that are level about any axis.
+// The registration of clouds whose vertical axis is any direction of their frames.
 #include <stdexcept>
 
 #include "geometry/moved_cloud.hpp"

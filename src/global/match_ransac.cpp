@@ -12,7 +12,8 @@
 namespace scanlock {
 namespace {
 
-/// The levelled motion of least squares for two matches; false when their lengths or heights forbid one.
+/// The levelled motion of least squares for two matches; false if their lengths or heights differ too much
+/// for both to be inliers.
 bool pose_of_two(const Match& a, const Match& b, double epsilon, Pose& pose) {
   const Eigen::Vector3d p = b.p - a.p, q = b.q - a.q;
   const double lengths = p.head<2>().norm() - q.head<2>().norm();
@@ -29,7 +30,7 @@ MatchRansac ransac_matches(const Matches& matches, const MatchRansacOptions& opt
   MatchRansac result;
   if (matches.size() < 2) return result;
   std::mt19937 random(options.seed);
-  // Not a standard distribution: those differ between libraries.
+  // Not a distribution of the standard library: their results differ between implementations.
   const auto draw = [&] { return static_cast<std::size_t>(random() % matches.size()); };
   double enough = static_cast<double>(options.most_samples);
   for (; static_cast<double>(result.samples) < enough; ++result.samples) {

@@ -11,7 +11,7 @@ namespace scanlock {
 
 struct MatchRansacOptions {
   double epsilon = 0.1;      ///< metres
-  double confidence = 0.99;  ///< that a sample of inliers was drawn, if the best pose is the right one
+  double confidence = 0.99;  ///< probability that a sample of inliers was drawn, if the best pose is right
   std::size_t most_samples = 1'000'000;
   unsigned seed = 1;
 };
@@ -22,8 +22,8 @@ struct MatchRansac {
   std::size_t samples = 0;
 };
 
-/// The paper's baseline, for the benchmark alone: RANSAC over levelled motions (up is z) with samples of two
-/// matches. No certificate; the same seed gives the same answer.
+/// The paper's baseline, only for the benchmark: RANSAC over levelled motions (up is z) with samples of two
+/// matches. No certificate; deterministic for a given seed.
 MatchRansac ransac_matches(const Matches& matches, const MatchRansacOptions& options);
 
 }  // namespace scanlock

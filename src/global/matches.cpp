@@ -31,8 +31,8 @@ void for_each_inlier(const LevelMatches& m, const LevelPose& pose, const Visit& 
   }
 }
 
-/// Indices by ascending height, then index. Heights spread over many values: they are dealt into bins, and
-/// only each bin is sorted.
+/// Indices by ascending height, then index. Heights are spread over many values: they are distributed to
+/// bins, and then sorted within each bin.
 std::vector<std::uint32_t> height_order(const std::vector<double>& heights) {
   std::vector<std::uint32_t> order(heights.size());
   if (heights.empty()) return order;

@@ -13,9 +13,9 @@ namespace scanlock {
 namespace {
 
 constexpr std::size_t kMostEntries = std::size_t{1} << 31;
-constexpr double kMostCells = 1048575.0;  // a side
+constexpr double kMostCells = 1048575.0;  // along each axis
 
-/// The key of a cube's neighbour, the middle one of a row along x.
+/// The key of the neighbour at (0, dy, dz) of the cube `centre`: the middle cube of a row of three along x.
 std::uint64_t row_about(std::uint64_t centre, int dy, int dz) {
   return centre + static_cast<std::uint64_t>(dz * (std::int64_t{1} << 42) + dy * (std::int64_t{1} << 21));
 }
@@ -45,7 +45,8 @@ NeighbourFinder::NeighbourFinder(const PointCloud& cloud, float radius)
   }
 }
 
-/// One off in each coordinate, so that the cubes about the first are no wrap, and no key is 0.
+/// The key of the cube of p. Coordinates start at 1, so that keys of neighbouring cubes do not wrap around,
+/// and no key is 0.
 std::uint64_t NeighbourFinder::key(const Eigen::Vector3f& p) const {
   const Eigen::Array3d cell = ((p.cast<double>().array() - low_) / side_).floor().min(kMostCells);
   const auto part = [](double v) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(v) + 1); };
@@ -61,7 +62,7 @@ void NeighbourFinder::gather_about(const Eigen::Vector3f& p) {
   if (cube != gathered_) gather(cube);
 }
 
-/// The points in the 27 cubes about one.
+/// Gathers the points in the 27 cubes around `centre`.
 void NeighbourFinder::gather(std::uint64_t centre) {
   std::vector<std::uint32_t>& index = candidates_.index;
   index.clear();
@@ -98,7 +99,8 @@ const NeighbourFinder::Neighbours& NeighbourFinder::about(std::size_t i) {
   if (p.allFinite()) {
     gather_about(p);
     measure(p);
-    // Each is written, and the next one over those that are too far: half of them are, in no order.
+    // Written without a branch: each candidate is stored, and the next one overwrites it if it is too far.
+    // Half of them are, in no predictable order.
     neighbours_.index.resize(candidates_.index.size());
     neighbours_.squared_distance.resize(candidates_.index.size());
     for (std::size_t k = 0; k < candidates_.index.size(); ++k) {
@@ -112,7 +114,7 @@ const NeighbourFinder::Neighbours& NeighbourFinder::about(std::size_t i) {
   return neighbours_;
 }
 
-/// From its own row of cubes outwards: most points have them there already.
+/// Starts with the row of cubes of the point itself, in which most points have enough neighbours.
 bool NeighbourFinder::has_more_than(std::size_t count, std::size_t i) const {
   const Eigen::Vector3f p = cloud_.point(i);
   if (!p.allFinite()) return false;
@@ -132,7 +134,7 @@ bool NeighbourFinder::has_more_than(std::size_t count, std::size_t i) const {
 
 NeighbourLists radius_neighbours(const PointCloud& cloud, float radius) {
   NeighbourFinder finder(cloud, radius);
-  // Found cube by cube, wanted point by point.
+  // Neighbours are found in the order of the cubes, and stored in the order of the points.
   NeighbourLists lists;
   lists.begin.resize(cloud.size() + 1, 0);
   std::size_t entries = 0;

@@ -10,18 +10,18 @@
 
 namespace scanlock {
 
-/// Finds all points within a fixed radius of a point, by cubes: faster than a tree, and without the memory
-/// that NeighbourLists takes. Keeps a reference to the cloud, whose coordinates must not change.
+/// Finds all points within a fixed radius of a point, by a grid of cubes: faster than a tree, and without the
+/// memory of NeighbourLists. Keeps a reference to the cloud, whose coordinates must not change.
 class NeighbourFinder {
  public:
-  /// Ascending by index.
+  /// The neighbours of a point, ascending by index.
   struct Neighbours {
     std::vector<std::uint32_t> index;     ///< into the cloud
     std::vector<float> squared_distance;  ///< metres squared
     std::size_t count() const { return index.size(); }
   };
 
-  /// `radius` in metres, > 0.
+  /// `radius` in metres, > 0; throws std::invalid_argument otherwise.
   NeighbourFinder(const PointCloud& cloud, float radius);
 
   /// The neighbours of point i, itself included; none for a point that is not finite. Valid until the next
@@ -29,7 +29,7 @@ class NeighbourFinder {
   const Neighbours& about(std::size_t i);
   /// Whether point i has more than `count` neighbours; faster than about().
   bool has_more_than(std::size_t count, std::size_t i) const;
-  /// The finite points of the cloud, in the order in which a loop over about() is fastest.
+  /// The indices of the finite points, in the order in which a loop over about() is fastest.
   const std::vector<std::uint32_t>& order() const { return order_; }
 
  private:
@@ -48,15 +48,15 @@ class NeighbourFinder {
   float squared_radius_;
   double side_;  ///< metres, of a cube
   Eigen::Array3d low_;
-  std::vector<std::uint64_t> keys_;   ///< of the cubes, ascending; x fastest
+  std::vector<std::uint64_t> keys_;   ///< of the cubes of the points, ascending; x fastest
   std::vector<std::uint32_t> order_;  ///< the points in the order of their cubes
-  std::uint64_t gathered_ = 0;        ///< the key of the cube that the candidates are about
+  std::uint64_t gathered_ = 0;        ///< the key of the cube that the candidates were gathered around
   Candidates candidates_;
   Neighbours neighbours_;
 };
 
 /// For every point of a cloud all points within a radius, itself included, ascending by index. For small
-/// radii, as memory grows with their number.
+/// radii, as the memory is proportional to the number of neighbours.
 struct NeighbourLists {
   std::vector<std::uint32_t> begin;     ///< list of point i: entries [begin[i], begin[i + 1])
   std::vector<std::uint32_t> index;     ///< into the cloud
@@ -65,8 +65,8 @@ struct NeighbourLists {
   std::size_t count(std::size_t i) const { return begin[i + 1] - begin[i]; }
 };
 
-/// `radius` in metres, > 0. Points that are not finite have empty lists and are in none. Throws
-/// std::length_error when the lists would hold more than 2^31 entries.
+/// `radius` in metres, > 0. Points that are not finite have empty lists and are in no other list. Throws
+/// std::length_error when the lists would have more than 2^31 entries.
 NeighbourLists radius_neighbours(const PointCloud& cloud, float radius);
 
 }  // namespace scanlock

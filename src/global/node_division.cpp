@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// How the nodes of a pose search are divided and bounded: slabs, sectors, boxes.
+// Division and bounds of the nodes of a pose search: slabs, sectors, boxes.
 #include <algorithm>
 #include <cmath>
 
@@ -25,7 +25,7 @@ void PoseSearch::measure() {
   spread_ = 2 * (lever_ + std::sqrt(q / n));
 }
 
-/// Slabs over all heights that a pose of some consensus can have.
+/// Opens slabs over all heights at which a pose can hold any match.
 void PoseSearch::open_slabs() {
   const double height = kSlabHeight * m_.largest_threshold;
   const double outside = m_.largest_threshold * (1 + kRelativeTolerance) + 2 * m_.rounding;
@@ -61,9 +61,9 @@ void PoseSearch::push_sector(const PoseBox& slab, double theta, double half_thet
   open_.push(std::move(node));
 }
 
-/// Into how many sectors to divide one of such cells and so many matches: few, but such that their votes can
-/// tell where the incumbent may be beaten. A sector of half the angle has cells of half the side, and a
-/// quarter of the votes in each.
+/// Number of sectors into which to divide a sector with `matches` matches and cells of `cell` metres: as few
+/// as possible, but enough that their votes can exclude parts without a better pose than the incumbent. A
+/// sector of half the angle has cells of half the side, and a quarter of the votes in each.
 int PoseSearch::pieces(double cell, std::size_t matches) const {
   constexpr double kCrowding = 20;  // votes of a match, times the fullest cell over the mean
   int count = 2;
@@ -76,8 +76,8 @@ int PoseSearch::pieces(double cell, std::size_t matches) const {
 
 void PoseSearch::divide_slab(const Node& node) {
   const std::size_t n = voting_.load_slab(node.box.centre.z, node.box.half_z);
-  // Of very many matches, wide sectors would tell nothing. But as long as chance gives as good a pose as is
-  // known, they lead to a better one.
+  // With very many matches, wide sectors would give no useful bounds. But while the incumbent has no more
+  // than the consensus of a chance pose, wide sectors are used, because they lead to a better pose.
   constexpr int kChance = 12;
   const bool fine = answer_.consensus() > kChance && pieces(slab_cell(), n) == kMostPieces;
   const int sectors = kSlabSectors * (fine ? kMostPieces : 1);
@@ -88,7 +88,7 @@ void PoseSearch::divide_slab(const Node& node) {
 }
 
 void PoseSearch::divide_sector(const Node& node) {
-  constexpr std::size_t kFew = 96;  // matches that are sooner looked at in boxes
+  constexpr std::size_t kFew = 96;  // matches: up to so many are processed faster in boxes
   constexpr std::size_t kDescents = 2;
   const std::size_t n = voting_.load(node.matches, node.box.centre.z, node.box.half_z);
   const Sector sector{node.box.centre.z, node.box.half_z, node.box.centre.theta, node.box.half_theta,
@@ -121,19 +121,19 @@ void PoseSearch::divide_sector(const Node& node) {
   }
 }
 
-/// False when the box is too small to be worth another look.
+/// False if the box is too small to be divided further.
 bool PoseSearch::matters(const PoseBox& box, double lever) const {
   return longest_side(box, lever) > (pruning_ ? 0.5 * m_.largest_threshold : m_.rounding);
 }
 
-/// Looks for a proof, independent of the box, that its matches have no pose in common that is good enough:
-/// without this the search would have to come down to boxes as small as what misses for one match more. Also
-/// ends boxes whose matches have a single common pose. Tried again, harder, when fewer matches can be spared
-/// or the box has shrunk.
+/// Tries to prove that no pose at all, in the box or outside, holds enough of the box's matches. Without this
+/// proof the search would have to divide down to boxes as small as the margin by which one more match is
+/// missed. Also ends boxes whose matches have a single common pose. Tried again when fewer matches may be
+/// left out, and with more iterations when the box has shrunk.
 void PoseSearch::look_for_conflicts(Node& node) {
   constexpr int kFewDrops = 2, kIterations = 16, kMostIterations = 2048;
   constexpr double kShrunk = 0.125;
-  constexpr std::size_t kFew = 12;                                     // matches that cost next to nothing
+  constexpr std::size_t kFew = 12;                                     // matches: the proof costs little
   const double first_size = node.matches.size() <= kFew ? 0.5 : 0.01;  // in thresholds
   const int drops = static_cast<int>(node.matches.size()) - wanted();
   const double size = longest_side(node.box, node.lever) / m_.largest_threshold;
@@ -150,7 +150,7 @@ void PoseSearch::look_for_conflicts(Node& node) {
   if (found.consensus > answer_.consensus()) offer(found.pose, found.consensus, node.matches);
 }
 
-/// A box that the matches of another node, its origin, may be held in.
+/// Opens a box in which matches of another node, `origin`, may be held.
 void PoseSearch::push_box(const PoseBox& box, const std::vector<std::uint32_t>& matches, const Node& origin) {
   if (excluded_ && excluded_->holds(box)) return;
   const BoxCounts counts = filter_.filter(box, matches, scratch_[0]);  // 2: 5, 7
@@ -178,7 +178,7 @@ void PoseSearch::divide_box(Node& node) {
     if (pruning_) {
       answer_.keep(node.matches);
     } else {
-      result_.upper_bound = std::max(result_.upper_bound, node.bound);  // cannot be told apart by rounding
+      result_.upper_bound = std::max(result_.upper_bound, node.bound);  // smaller than rounding
     }
     return;
   }

@@ -61,7 +61,7 @@ class Polisher {
     stabber_.stab(pose_.theta, pose_.theta);
   }
 
-  /// Stabs the translations along one axis; returns how many matches are held.
+  /// Stabs the translations along one axis; returns the number of matches held.
   int shift(int axis) {
     const auto [s, c] = sincos(pose_.theta);
     double LevelPose::*const axes[] = {&LevelPose::x, &LevelPose::y, &LevelPose::z};

@@ -17,8 +17,8 @@
 
 namespace scanlock {
 
-/// The search of branch_and_bound.hpp. Its loop is in branch_and_bound.cpp; how its nodes are divided and
-/// bounded, in node_division.cpp; how it finds poses to begin with, in greedy_descent.cpp.
+/// The search of branch_and_bound.hpp. Its loop is in branch_and_bound.cpp, the division and bounds of its
+/// nodes in node_division.cpp, and the search for first poses in greedy_descent.cpp.
 class PoseSearch {
  public:
   PoseSearch(const LevelMatches& matches, Incumbent& best, const SearchLimits& limits,
@@ -72,7 +72,7 @@ class PoseSearch {
   std::vector<VotedCell> cells_;
   SearchResult result_;
   std::size_t descents_ = 0;
-  double lever_ = 0, spread_ = 0;  // metres: of p from the axis, and the width of the translations
+  double lever_ = 0, spread_ = 0;  // metres: rms distance of p from the axis, width of the translations
 };
 
 }  // namespace scanlock

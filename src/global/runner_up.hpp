@@ -7,10 +7,10 @@
 
 namespace scanlock {
 
-/// Sets the runner-up of a result whose pose is `first`. First a pose by a short best-first search, if weak
-/// ones are wanted, then a bound on all other poses. A pose of less than half the consensus does not compete,
-/// so the bound need not come below that; and the effort is bounded, for the runner-up is harder to prove
-/// than the answer.
+/// Sets the runner-up of a result whose pose is `first`: a pose from a short best-first search, if weak
+/// runner-ups are wanted, then a bound on all other poses. A pose of less than half the consensus is no
+/// rival, so the bound need not be below that. The effort is bounded, because the bound of the runner-up is
+/// harder to prove than that of the best pose.
 void seek_runner_up(const LevelMatches& matches, const LevelPose& first,
                     const MatchRegistrationOptions& options, const LevelFrame& frame, SearchLimits limits,
                     MatchRegistration& result);

@@ -11,7 +11,7 @@
 
 namespace scanlock {
 
-/// The result of a search so far: the best pose, and, when it prunes, the matches to keep.
+/// The result of a search so far: the best pose and, for a search that prunes, the matches to keep.
 class SearchAnswer {
  public:
   /// Raises `best`; all arguments have to outlive it.
@@ -20,10 +20,10 @@ class SearchAnswer {
 
   const Incumbent& best() const { return best_; }
   int consensus() const { return best_.consensus; }
-  /// The smallest upper bound with which a set of poses still has to be searched.
+  /// The smallest upper bound for which a set of poses still has to be searched.
   int wanted() const;
-  /// A pose that holds `count` matches, `held` among them: becomes the best, climbed from `held`, where its
-  /// count is the largest so far; returns whether it is.
+  /// Offers a pose that holds at least `count` matches, and a pose climbed and polished from the matches
+  /// `held`; returns true if the best pose improved.
   bool offer(const LevelPose& pose, int count, const std::vector<std::uint32_t>& held);
   void keep(const std::vector<std::uint32_t>& matches);
   bool all_kept(const std::vector<std::uint32_t>& matches) const;

@@ -13,28 +13,28 @@ namespace scanlock {
 
 enum class NodeKind { kSlab, kSector, kBox };
 
-/// A set of poses that a search over matches has not decided about: a slab of heights, a sector of angles in
-/// it, or a box.
+/// A set of poses that a search over matches has neither excluded nor divided yet: a slab of heights, a
+/// sector of angles in a slab, or a box.
 struct Node {
-  int bound = 0;
+  int bound = 0;  // no pose of the node holds more matches
   NodeKind kind = NodeKind::kSlab;
-  PoseBox box;       // a slab has z, a sector also theta
-  double cell = 0;   // of a sector
-  double lever = 0;  // of a box
-  // Of a box: when conflicts were looked for, last.
+  PoseBox box;       // a slab uses z only, a sector also theta
+  double cell = 0;   // metres, of a sector
+  double lever = 0;  // metres, of a box, see BoxCounts
+  // Of a box: the state at the last search for conflicts.
   int tried_drops = std::numeric_limits<int>::max(), iterations = 0;
   double tried_size = std::numeric_limits<double>::infinity();
   std::vector<std::uint32_t> matches;
 };
 
-/// The nodes that are open, and the memory they take.
+/// The open nodes, and the memory that they take.
 class SearchNodes {
  public:
   bool empty() const { return heap_.empty(); }
   int highest_bound() const { return heap_.front().bound; }
   std::size_t entries() const { return entries_; }  ///< match indices in all nodes
   void push(Node node);
-  /// The highest bound first, then the newest, for it is the smallest.
+  /// Removes and returns the node of highest bound; of equal bounds the newest node, which is the smallest.
   Node pop();
 
  private:

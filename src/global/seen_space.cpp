@@ -13,11 +13,11 @@ namespace scanlock {
 namespace {
 
 constexpr float kCell = 1.5f;   // voxels
-constexpr float kStandOff = 2;  // cells: the last stretch may graze the surface that the ray ends on
-constexpr int kSectors = 8;     // of the half circle, for a line has no sign
-constexpr int kAcross = 2;      // sectors either side of a normal: rays that do not graze the surface
-constexpr float kSteep = 0.5f;  // horizontal part of a normal that has a heading
-// Rays are not followed out of this box about the origin, which bounds the memory: 55 MB.
+constexpr float kStandOff = 2;  // cells: the end of a ray may graze the surface that it ends on
+constexpr int kSectors = 8;     // of the half circle, because a line has no sign
+constexpr int kAcross = 2;      // sectors on either side of a normal, whose rays do not graze the surface
+constexpr float kSteep = 0.5f;  // least horizontal part of a normal with a heading
+// Rays are not traced outside of this box about the origin, which bounds the memory: 55 MB.
 constexpr int kMostAside = 450, kMostAloft = 30;  // cells
 
 int sector(const Eigen::Vector3f& direction) {
@@ -128,7 +128,8 @@ bool SeenSpace::is_above(const Eigen::Vector3f& p) const {
   return top >= 0 && at.z() - low_.z() > top;
 }
 
-/// Rays skim over the ground between the few that hit it: where none went below, too, that is the ground.
+/// Rays pass closely above the ground between the few points where they hit it. Cells without rays in the
+/// cell below are therefore taken for ground, and not for crossed.
 bool SeenSpace::is_crossed(const Eigen::Vector3f& p, const Eigen::Vector3f& normal) const {
   const std::uint8_t here = headings(p);
   const std::uint8_t below = here != 0 ? headings(p - Eigen::Vector3f(0, 0, cell_size_)) : std::uint8_t{0};

@@ -18,20 +18,20 @@
 namespace scanlock {
 namespace {
 
-constexpr double kStep = 2;            // voxels between two stands: a glance sees that far
+constexpr double kStep = 2;            // voxels between two places: the tolerance of a coarse score
 constexpr std::size_t kHeadings = 72;  // bins
 constexpr std::size_t kMostTurns = 8;
-// Of the mean agreement: a best one below tells no heading. It is 1.00 to 1.01 in woods, 1.3 and more in
-// streets, rooms, car parks and on meadows.
+// Ratio of the best to the mean agreement, below which the agreement determines no heading. It is 1.00
+// to 1.01 in woods, 1.3 and more in streets, rooms, car parks and on meadows.
 constexpr double kAlike = 1.25;
-// Of all, in every attitude, a cap on their time: a tenth of a second of glimpses. More places are farther
-// apart.
+// Largest numbers of poses (places in all attitudes), which limit the time to a tenth of a second of first
+// scores. More places are thinned by a larger step.
 constexpr std::size_t kMostOfEyes = 40000, kMostOfGround = 360000;
-constexpr double kWiderStep = 1.1;  // at least
+constexpr double kWiderStep = 1.1;  // least factor of the step
 
 using Headings = std::array<double, kHeadings>;
 
-/// How many steep surfaces look which way.
+/// Histogram of the headings of the normals of steep surfaces.
 Headings headings(const PointCloud& cloud) {
   Headings result{};
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -42,8 +42,8 @@ Headings headings(const PointCloud& cloud) {
   return result;
 }
 
-/// Radians, at which the headings agree best, the best first. All, where they agree about alike: trunks look
-/// all ways.
+/// The yaw angles, radians, at which the headings agree best, the best first. All angles where none stands
+/// out, as among trunks, whose normals have all headings.
 std::vector<double> likely_turns(const Headings& source, const Headings& target) {
   Headings agreement{};
   for (std::size_t turn = 0; turn < kHeadings; ++turn) {
@@ -74,11 +74,11 @@ std::vector<double> likely_turns(const Headings& source, const Headings& target)
   return turns;
 }
 
-/// Places of which one stands for all within a step of it.
+/// Places thinned to one per square lattice cell and step of height.
 class Lattice {
  public:
   explicit Lattice(double step) : step_(step) {}
-  /// `dx`, `dy`: so many steps beside it.
+  /// Adds the cell that is `dx` and `dy` steps beside the place.
   void add(const Eigen::Vector3f& place, int dx = 0, int dy = 0) {
     places_.push_back({cell(place.x()) + dx, cell(place.y()) + dy, place.z()});
   }
@@ -111,10 +111,10 @@ class Lattice {
   std::vector<Place> places_;
 };
 
-/// Where the cloud was seen from, and a step beside it.
+/// The sensor origins of the cloud, and the places one step beside them.
 std::vector<Eigen::Vector3d> places_of_eyes(const PointCloud& cloud, double step) {
   Lattice lattice(step);
-  std::set<std::array<float, 3>> eyes;  // few, of many points each
+  std::set<std::array<float, 3>> eyes;  // few, each shared by many points
   for (const Eigen::Vector3f& eye : cloud.eyes) {
     if (!eyes.insert({eye.x(), eye.y(), eye.z()}).second) continue;
     for (int dx = -1; dx <= 1; ++dx) {
@@ -124,7 +124,7 @@ std::vector<Eigen::Vector3d> places_of_eyes(const PointCloud& cloud, double step
   return lattice.places();
 }
 
-/// `height` metres above surfaces that look up, where that is known to be free.
+/// The places `height` metres above upward surfaces that are in free space.
 std::vector<Eigen::Vector3d> places_above_ground(const PointCloud& cloud, const SeenSpace& space,
                                                  float height, double step) {
   Lattice lattice(step);
@@ -135,7 +135,8 @@ std::vector<Eigen::Vector3d> places_above_ground(const PointCloud& cloud, const 
   return lattice.places();
 }
 
-/// At most so many of what `places_by` makes, farther apart where there are more.
+/// Adds the places that `places_by` returns for a step; at most `most` (1 at least), with a larger step where
+/// there are more.
 template <typename PlacesBy>
 void add_at_most(std::size_t most, double step, const PlacesBy& places_by,
                  std::vector<Eigen::Vector3d>* places) {

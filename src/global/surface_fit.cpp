@@ -13,13 +13,13 @@ namespace scanlock {
 namespace {
 
 constexpr int kFitRounds = 12, kFewestToFit = 8;
-constexpr double kNarrower = 0.1, kNarrowest = 0.35;  // of epsilon: the scale, round by round
+constexpr double kNarrower = 0.1, kNarrowest = 0.35;  // epsilons: decrease of the scale per round, the least
 constexpr double kReachAlong = 2;                     // scales, along the normal
 constexpr double kReachWithin = 4;                    // epsilons
 constexpr double kFirstWithin = 0.02, kLeastWithin = 0.01;
 constexpr double kStill = 1e-5;  // metres, radians
 
-/// How far matches are off along the normals, and within the surfaces.
+/// Spread of the matches along the normals and within the surfaces.
 struct Spread {
   double along = 0, within = 0;  // sums of squares of one axis
 
@@ -27,18 +27,18 @@ struct Spread {
     along += weight * squared_along;
     within += weight * squared_within / 2;
   }
-  /// What an error within the surface weighs, beside one along the normal: walls hold next to nothing,
-  /// bushes hold both ways.
+  /// Weight of an error within the surface relative to one along the normal: near 0 on walls, near 1 on
+  /// bushes.
   double weight_within() const { return std::clamp(along / std::max(within, 1e-12), kLeastWithin, 1.0); }
 };
 
-/// Weighted normal equations of a shift and a turn.
+/// Weighted normal equations of a translation and a rotation angle.
 struct Equations {
   Eigen::Matrix4d h = Eigen::Matrix4d::Zero();
   Eigen::Vector4d g = Eigen::Vector4d::Zero();
   int count = 0;
 
-  /// `offset` metres off, measured by `metric`; `turned`: how the point moves with the angle.
+  /// `offset`: residual, metres, weighted by `metric`; `turned`: derivative of the point by the angle.
   void add(const Eigen::Matrix3d& metric, const Eigen::Vector3d& turned, const Eigen::Vector3d& offset) {
     Eigen::Matrix<double, 3, 4> j;
     j << Eigen::Matrix3d::Identity(), turned;
@@ -68,7 +68,7 @@ Pose fit_surfaces(const std::vector<SurfaceMatch>& matches, Pose pose, const Eig
           squared_within > kReachWithin * kReachWithin * epsilon * epsilon ||
           std::abs(m.normal_q.dot(pose.linear() * m.normal_p)) < kSameWay)
         continue;
-      // Welsch's weights, for what is near by chance is anywhere there.
+      // Welsch's weights, because matches that are near by chance are spread over the whole range.
       const double weight = exp(-along * along / (2 * scale * scale));
       if (squared_within < epsilon * epsilon) spread.add(weight, along * along, squared_within);
       const double within = weight_within * exp(-squared_within / two_variances);

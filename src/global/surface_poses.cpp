@@ -14,12 +14,12 @@
 namespace scanlock {
 namespace {
 
-constexpr double kSteepMatch = 0.7;      // horizontal part of a normal
-constexpr std::size_t kGlimpse = 32;     // points, of every guess,
-constexpr std::size_t kGlance = 100;     // of the best of those and of every match,
-constexpr std::size_t kLook = 600;       // and of the best of all
-constexpr std::size_t kGlanced = 10000;  // guesses, and
-constexpr std::size_t kLooked = 1000;    // poses that these are
+constexpr double kSteepMatch = 0.7;      // least horizontal part of a normal
+constexpr std::size_t kGlimpse = 32;     // points for the first score of every guess
+constexpr std::size_t kGlance = 100;     // points for the coarse score of the best guesses and all matches
+constexpr std::size_t kLook = 600;       // points for the score of the best poses of both
+constexpr std::size_t kGlanced = 10000;  // number of guesses with a coarse score, at most
+constexpr std::size_t kLooked = 1000;    // number of poses scored with kLook points, at most
 constexpr std::size_t kMostGlances = 40000;
 
 struct Candidate {
@@ -32,11 +32,11 @@ void best_first(std::vector<Candidate>* candidates) {
                    [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
 }
 
-/// Those at which the most of the source's surfaces meet one of the target's; of those that meet equally many
-/// all or none.
+/// The poses, at most kGlanced, at which the most points of the source meet a surface of the target; of poses
+/// that meet equally many, all or none.
 std::vector<Pose> best_of(const StandPoses& poses, const CloudCheck& source, const CloudCheck& target) {
   std::vector<std::vector<std::uint16_t>> met;
-  std::vector<std::size_t> poses_that_meet(2 * kGlimpse, 0);  // so many
+  std::vector<std::size_t> poses_that_meet(2 * kGlimpse, 0);  // number of poses by number of points
   for (const Eigen::Matrix3d& attitude : poses.attitudes) {
     met.push_back(surfaces_met(source, target, attitude, poses.places, kGlimpse));
     for (std::uint16_t count : met.back()) ++poses_that_meet[count];
@@ -63,7 +63,7 @@ std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const 
                                 const std::vector<Eigen::Vector3d>& ups, const Eigen::Vector3d& centre,
                                 double epsilon, std::size_t count) {
   std::vector<Candidate> candidates;
-  // In many attitudes every so many of the matches have to do.
+  // With many attitudes only every n-th match is used, n = stride.
   const std::size_t stride = matches.size() * ups_or_z(ups).size() / kMostGlances + 1;
   for (const Eigen::Vector3d& up : ups_or_z(ups)) {
     const Eigen::Matrix3d level = level_rotation(up);

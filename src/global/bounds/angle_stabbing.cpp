@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kTurn = 2 * kPi;
 constexpr double kUlps = 32 * 2.2e-16;    // of the squared lengths
-constexpr double kAngleRounding = 4e-15;  // radians: two azimuths, an arc cosine and their sums
+constexpr double kAngleRounding = 4e-15;  // radians: of two azimuths, an arc cosine and their sums
 
 double wrapped(double angle) {
   angle -= kTurn * std::floor(angle / kTurn);
@@ -43,7 +43,7 @@ int AngleStabber::stab(double& theta, double fallback) {
   int depth = 0;
   for (const AngleInterval& interval : intervals_) {
     double end = interval.start + interval.width;
-    if (end >= kTurn) {  // holds angle 0
+    if (end >= kTurn) {  // the interval contains angle 0
       end -= kTurn;
       ++depth;
     }

@@ -15,7 +15,7 @@ namespace {
 
 using Values = std::vector<Eigen::Array4f>;
 
-/// In each lane, the value that kDrops others exceed.
+/// In each lane, the value that is exceeded by kDrops other values.
 template <int kDrops>
 Eigen::Array4f high_value(const Values& values, std::size_t n) {
   Eigen::Array4f top[kDrops + 1];
@@ -47,7 +47,7 @@ Eigen::Array4f high_value(const Values& values, std::size_t n, int drops) {
 
 constexpr int kBins = 16;  // of an axis
 
-/// Narrows a side to the bins that so many intervals can meet in; false when there are none.
+/// Narrows a side to the bins that at least `wanted` intervals overlap; false if there are none.
 bool narrow(const std::array<int, kBins>& starts, const std::array<int, kBins>& ends, int wanted,
             double& centre, double& half) {
   int before = 0, last = -1, depth = 0;  // bins before the first
@@ -69,14 +69,14 @@ double LevelPose::*const kCentres[] = {&LevelPose::x, &LevelPose::y, &LevelPose:
 double PoseBox::*const kHalves[] = {&PoseBox::half_x, &PoseBox::half_y, &PoseBox::half_z,
                                     &PoseBox::half_theta};
 
-/// By the depth of the intervals, in bins.
+/// Contracts the box by the number of intervals that overlap each bin of a side.
 bool contract_by_depth(const Values& starts, const Values& minus_ends, std::size_t n, int wanted,
                        PoseBox& box) {
   constexpr float kMargin = 0.01f;  // bins: more than rounding
   for (int axis = 0; axis < 4; ++axis) {
     const float scale = 0.5f * kBins / static_cast<float>(box.*kHalves[axis]);
     const float below = 0.5f * kBins - kMargin, above = 0.5f * kBins + kMargin;
-    // Most intervals of a small box reach through all of it.
+    // Most intervals of a small box span the whole side.
     int through = 0;
     std::array<int, kBins> first{}, last{};
     for (std::size_t k = 0; k < n; ++k) {
@@ -94,7 +94,8 @@ bool contract_by_depth(const Values& starts, const Values& minus_ends, std::size
   return true;
 }
 
-/// By counting: but for so many, all intervals have to have started, and not to have ended.
+/// Contracts the box by order statistics: it begins where all but `drops` intervals have started, and ends
+/// where more than `drops` have ended.
 bool contract_by_rank(const Values& starts, const Values& minus_ends, std::size_t n, int drops,
                       PoseBox& box) {
   constexpr double kMargin = 1e-5;  // of the side: more than rounding
@@ -141,7 +142,7 @@ void BoxFilter::set_angles(double theta, double half_theta) {
   const auto [sine, cosine] = sincos(theta_);
   sin_ = sine;
   cos_ = cosine;
-  // The arc of R p reaches from its middle r along -r by up to |r| (1 - cos) and across by up to |r| sin.
+  // The arc of R p extends from its middle r along -r by up to |r| (1 - cos) and across by up to |r| sin.
   const SineCosine half = sincos(half_theta_);
   across_ = half.sine;
   along_ = 0.5 * (1 - half.cosine);
@@ -150,13 +151,13 @@ void BoxFilter::set_angles(double theta, double half_theta) {
 BoxCounts BoxFilter::filter(const PoseBox& box, const std::vector<std::uint32_t>& list,
                             std::vector<std::uint32_t>& kept) {
   set_angles(box.centre.theta, box.half_theta);
-  // Both horizontal axes at once, and then all four.
+  // Computed for both horizontal axes at once, and then for all four axes.
   const Eigen::Array2d cosine(cos_, cos_), sine(-sin_, sin_), across(across_, across_), along(along_, along_),
       middle = 1 - along, centre(box.centre.x, box.centre.y), half(box.half_x, box.half_y);
   const double z = box.centre.z, half_z = box.half_z;
   const Eigen::Array2f float_half = half.cast<float>();
   const auto half_theta = static_cast<float>(box.half_theta);
-  const float arc = half_theta * half_theta * half_theta / 6;  // how far d may be from sin d
+  const float arc = half_theta * half_theta * half_theta / 6;  // largest difference between d and sin d
   constexpr float kUp = 1.000002f;                             // more than rounding
   kept.resize(list.size());
   if (starts_.size() < list.size()) {
@@ -178,7 +179,7 @@ BoxCounts BoxFilter::filter(const PoseBox& box, const std::vector<std::uint32_t>
     const Eigen::Array2f short_xy = square.cast<float>() * m.shrink, wide = sweep.cast<float>(),
                          middle_xy = t.cast<float>();
     const float short_z = static_cast<float>(square_z) * m.shrink;
-    // Along the tangent of its arc, R p is off by a length at the middle, and moves by |p| sin d.
+    // Along the tangent of its arc, R p has a known offset at the middle of the arc, and moves by |p| sin d.
     const Eigen::Array2d tangent = u * r.reverse();
     const Eigen::Array2f slack = float_half * a.reverse().cast<float>();
     const Eigen::Array4f middles(middle_xy[0], middle_xy[1], static_cast<float>(dz),
@@ -204,7 +205,7 @@ bool BoxFilter::contract(int wanted, PoseBox& box) const {
   const int drops = possible_ - wanted;
   if (drops < 0) return false;
   const auto n = static_cast<std::size_t>(possible_);
-  // Counting ignores where the dropped ones are, which matters when they are many.
+  // Order statistics ignore which intervals are dropped at either end, which matters when these are many.
   constexpr int kShare = 3;
   const bool few = drops <= kMostDrops && kShare * drops <= wanted;
   return few ? contract_by_rank(starts_, minus_ends_, n, drops, box)

@@ -16,8 +16,8 @@ constexpr double kProof = 1 + 1e-11;  // the rounding of a residual is in boundi
 
 }  // namespace
 
-/// The least weighted mean, over all poses, of the squared residuals over the squared limits, of the first
-/// `size` of the set; squares_ become these at the pose where it is attained.
+/// The minimum over all poses of the weighted mean of squared residual over squared limit, for the first
+/// `size` matches of the set. Sets `pose` to the minimiser, and squares_ to the squared ratios there.
 double Conflicts::weighted_mean(const Weighted& set, std::size_t size, LevelPose& pose) {
   fit_weights_.resize(size);
   squares_.resize(size);
@@ -65,8 +65,8 @@ Conflicts::Verdict Conflicts::weigh(Weighted& set, int iterations, Incumbent& be
   return Verdict::kUndecided;
 }
 
-/// Moves a pose to where the matches that carry the weight are exactly at their limits (Gauss-Newton): when a
-/// set has a single common pose, that is it, and the weights come near it only slowly.
+/// Moves a pose to where the matches with large weights are exactly at their thresholds (Gauss-Newton): if a
+/// set has a single common pose, this finds it, while the reweighting approaches it only slowly.
 void Conflicts::touch(const Weighted& set, LevelPose& pose) const {
   constexpr int kIterations = 8;
   const double heavy = 0.01 * *std::max_element(set.weights.begin(), set.weights.end());
@@ -97,8 +97,8 @@ void Conflicts::touch(const Weighted& set, LevelPose& pose) const {
   }
 }
 
-/// Brings the matches of a small conflict to the front: as few of the heaviest as still prove it. Returns how
-/// many, or 0.
+/// Moves the matches of a small conflict to the front: the fewest of the largest weights that prove it, up to
+/// kMost. Returns their number; 0 if these prove no conflict.
 std::size_t Conflicts::small_conflict(Weighted& set) {
   constexpr std::size_t kMost = 8;
   const std::size_t n = set.matches.size();
@@ -124,7 +124,7 @@ bool Conflicts::infeasible(Weighted set, int drops, int iterations, Incumbent& b
     rest.matches.erase(rest.matches.begin() + static_cast<std::ptrdiff_t>(k));
     rest.weights.erase(rest.weights.begin() + static_cast<std::ptrdiff_t>(k));
     const double floor =
-        0.2 / static_cast<double>(rest.weights.size());  // what now decides may have lost its weight
+        0.2 / static_cast<double>(rest.weights.size());  // matches that decide now may have weights near 0
     for (double& w : rest.weights) w = std::max(w, floor);
     if (!infeasible(std::move(rest), drops - 1, iterations, best)) return false;
   }

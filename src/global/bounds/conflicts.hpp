@@ -10,17 +10,18 @@
 namespace scanlock {
 
 /// Proves that matches have no common pose. For any weights that sum to 1, the weighted mean of the squared
-/// residuals (in units of the squared thresholds) is at most their maximum, and its least value over all
-/// levelled poses has a closed form, the weighted fit: where that exceeds 1, no pose holds all the matches.
-/// Lawson's weights, multiplied by the residuals again and again, raise it towards the least maximum, so that
-/// either a proof or a pose comes out, or a tie within rounding.
+/// residuals (in units of the squared thresholds) is at most their maximum, and its minimum over all levelled
+/// poses has a closed form, the weighted fit: if that exceeds 1, no pose holds all the matches. Lawson's
+/// iteration, which multiplies the weights by the residuals repeatedly, raises the mean towards the minimum
+/// over poses of the maximum, so that the result is a proof, or a pose, or a tie within rounding.
 class Conflicts {
  public:
   explicit Conflicts(const LevelMatches& matches) : m_(matches) {}
 
-  /// Whether it is proven that no pose holds all of `list` but `drops` (or fewer): a pose misses a match of
-  /// each conflict, so each match of a small one is left out in turn. Gives up where so many iterations of
-  /// weights show neither a conflict nor a pose. Poses found on the way raise the incumbent.
+  /// True if it is proven that no pose holds all matches of `list` except at most `drops`: a pose misses at
+  /// least one match of each conflict, so that each match of a small conflict is left out in turn. Returns
+  /// false if `iterations` of the weights find neither a conflict nor a pose. Poses that are found raise the
+  /// incumbent.
   bool infeasible(const std::vector<std::uint32_t>& list, int drops, int iterations, Incumbent& best);
 
  private:

@@ -13,13 +13,14 @@ struct PoseBox {
   double half_theta = 0;                      ///< radians, at most a quarter turn
 };
 
-/// Half of the longest side, metres; angles are measured by what they move at `lever` from the axis.
+/// Half of the longest side, metres; an angle counts as 2.5 times the displacement that it causes at `lever`
+/// metres from the axis.
 double longest_side(const PoseBox& box, double lever);
 
 /// Halves the longest side; the halves overlap by rounding.
 void halve(const PoseBox& box, double lever, PoseBox halves[2]);
 
-/// Poses near `centre` in both angle and translation, which a search leaves out.
+/// Poses near `centre` in both angle and translation, which a search excludes.
 struct ExcludedPoses {
   LevelPose centre;
   double angle = 0;     ///< radians

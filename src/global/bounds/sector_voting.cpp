@@ -18,10 +18,10 @@ SectorVoting::SectorVoting(const LevelMatches& m) : m_(m) {
     narrow_.push_back({static_cast<float>(m.px[i]), static_cast<float>(m.py[i]), static_cast<float>(m.qx[i]),
                        static_cast<float>(m.qy[i]), m.dz[i], bounding_limit(m, i)});
   }
-  // Each of some ten float operations errs by at most 6e-8 of what it adds up.
+  // Each of about ten float operations has an error of at most 6e-8 of its operands.
   margin_ = static_cast<float>(2e-6 * reach);
   offset_ = static_cast<float>(1.01 * reach) + 4 * margin_;
-  constexpr double kFinest = 1 << 20;  // cells across, that a float still tells apart
+  constexpr double kFinest = 1 << 20;  // largest number of cells along an axis that floats can distinguish
   smallest_cell_ = std::max(4 * m.largest_threshold, 2 * static_cast<double>(offset_) / kFinest);
 }
 
@@ -48,7 +48,7 @@ void SectorVoting::resize(std::size_t n) {
   for (std::vector<std::int32_t>* span : {&i0_, &i1_, &j0_, &j1_}) span->resize(n);
 }
 
-/// Loads it in place k if the slab can hold it; returns the next place.
+/// Loads match i in place k if a pose of the slab can hold it; returns the next free place.
 std::size_t SectorVoting::load_one(std::size_t k, std::uint32_t i) {
   const Narrow& m = narrow_[i];
   const double height = m.dz - z_, gap = std::max(0.0, std::abs(height) - half_z_);
@@ -85,7 +85,8 @@ std::size_t SectorVoting::load(const std::vector<std::uint32_t>& matches, double
   return n;
 }
 
-/// The rectangle about q - R p over the sector, widened by the threshold, in cells; see BoxFilter.
+/// The cells of each match: the bounding rectangle of q - R p over the sector, widened by the threshold; see
+/// BoxFilter.
 void SectorVoting::find_cells(const Sector& sector) {
   using Table = VoteTable<std::int16_t>;
   const float c = static_cast<float>(cos(sector.theta)), s = static_cast<float>(sin(sector.theta));
@@ -114,7 +115,7 @@ void SectorVoting::find_cells(const Sector& sector) {
   }
 }
 
-/// Covers the cells that a match votes for, each once.
+/// Visits blocks that cover each cell that a match votes for once.
 template <typename Visit>
 void SectorVoting::for_each_block(std::size_t k, const Visit& visit) const {
   using Table = VoteTable<std::int16_t>;
@@ -132,7 +133,7 @@ int SectorVoting::vote(VoteTable<Lane>& table) {
   table.clear();
   large_.resize(matches_.size());
   std::size_t large = 0;
-  for (std::size_t k = 0; k < matches_.size(); ++k) {  // without a branch, which would be mispredicted
+  for (std::size_t k = 0; k < matches_.size(); ++k) {  // no branch: it would be mispredicted
     large_[large] = static_cast<std::uint32_t>(k);
     large += blocks_[k] == kNoBlock;
     table.add(blocks_[k], votes_[k]);

@@ -12,44 +12,44 @@
 
 namespace scanlock {
 
-/// Poses with z in a slab and theta in a sector, whatever x and y; divided into square cells of (x, y).
+/// Poses with z in a slab and theta in a sector, and any x and y; divided into square cells of (x, y).
 struct Sector {
   double z = 0, half_z = 0;          ///< metres
   double theta = 0, half_theta = 0;  ///< radians, half_theta at most pi / 8
   double cell = 1;                   ///< metres
 };
 
-/// One cell of a sector that some matches may be held in.
+/// One cell of a sector, and the matches that its poses may hold.
 struct VotedCell {
   PoseBox box;
   std::vector<std::uint32_t> matches;
 };
 
-/// Bounds whole sectors of poses at once: each match votes for every cell of horizontal translations in which
-/// some angle and height of the sector holds it, so the fullest cell bounds the consensus in the sector. This
-/// costs some nanoseconds a match, without a sort or an angle, and does not depend on how many matches there
-/// are in a cell. Heights are told apart at no cost, for a cell has a count for each of a few lanes of the
-/// slab. Cells share a small table, (i, j) modulo its side: sharing only raises a count.
+/// Bounds whole sectors of poses at once: each match votes for every cell of horizontal translations at which
+/// some angle and height of the sector hold it, so that the largest count of a cell is an upper bound of the
+/// consensus in the sector. This costs some nanoseconds per match, without sorting or computing angles, and
+/// does not depend on the number of matches in a cell. Heights are distinguished at no extra cost: a cell has
+/// a separate count for each of a few layers of the slab (lanes). Cells share a small table, (i, j) modulo
+/// its side: sharing only raises a count.
 class SectorVoting {
  public:
   explicit SectorVoting(const LevelMatches& matches);
 
-  /// Metres; sectors must not have smaller cells.
+  /// The smallest cell that a sector may have, metres.
   double smallest_cell() const { return smallest_cell_; }
 
-  /// Takes the matches that a slab of heights can hold; returns how many these are.
+  /// Loads the matches that poses with z in [z - half_z, z + half_z] (metres) can hold; returns their number.
   std::size_t load_slab(double z, double half_z);
-  /// The same, of the given matches only.
+  /// load_slab() restricted to the given matches.
   std::size_t load(const std::vector<std::uint32_t>& matches, double z, double half_z);
-  /// The bound of a sector of the slab.
+  /// The upper bound of the consensus in a sector of the loaded slab.
   int vote(const Sector& sector);
-  /// Of the last vote: the heights, within the slab, where the bound is at least so much.
+  /// After vote(): the range of heights within the slab in which the bound is at least `at_least`.
   void heights(int at_least, double& z, double& half_z) const;
-  /// The matches that voted, the last time, for a cell of at least so many.
+  /// After vote(): the matches that voted for a cell with a count of at least `at_least`.
   void open_matches(int at_least, std::vector<std::uint32_t>& matches);
-  /// The cells, of the last vote, of at least so many matches. False, and no cells, when
-  /// `at_least` matches vote for a whole side of the table: the sector is too wide for their distance from
-  /// the axis.
+  /// After vote(): the cells with at least `at_least` matches. False, and no cells, if `at_least` matches
+  /// vote for a whole side of the table: the sector is too wide for their distance from the axis.
   bool gather(const Sector& sector, int at_least, std::vector<VotedCell>& cells);
 
  private:
@@ -84,17 +84,17 @@ class SectorVoting {
   std::vector<Narrow> narrow_;
   float offset_ = 0, margin_ = 0;
   double smallest_cell_ = 0;
-  std::vector<std::uint32_t> matches_;            // loaded, and what they are:
+  std::vector<std::uint32_t> matches_;            // the loaded matches, and for each of them:
   std::vector<float> px_, py_, qx_, qy_, reach_;  // reach: the horizontal threshold in the slab
-  std::vector<std::int32_t> i0_, i1_, j0_, j1_;   // the cells that they vote for, ends included
+  std::vector<std::int32_t> i0_, i1_, j0_, j1_;   // the cells that it votes for, ends included
   std::vector<std::uint64_t> votes_;              // in the lanes that can hold the match
-  std::vector<std::uint32_t> blocks_;             // of those cells, if not too many for that
-  std::vector<std::uint32_t> large_;              // places of the others
+  std::vector<std::uint32_t> blocks_;  // the block of those cells; kNoBlock if it is larger than 2 x 2
+  std::vector<std::uint32_t> large_;   // places of the matches with larger blocks
   // A slab is divided by height into as many lanes as the table has.
   double z_ = 0, half_z_ = 0;
   int lanes_ = kMostLanes;
-  bool few_ = true;  // matches, so that a narrow table holds their votes
-  std::array<std::uint64_t, kMostLanes * kMostLanes> lane_votes_{};  // by the first lane and the last
+  bool few_ = true;  // true: few enough matches for the counts of table_
+  std::array<std::uint64_t, kMostLanes * kMostLanes> lane_votes_{};  // by first and last lane
   std::array<int, kMostLanes> most_{};
   VoteTable<std::int16_t> table_;
   VoteTable<std::int32_t> wide_table_;  // for very many matches

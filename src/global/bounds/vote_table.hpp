@@ -10,26 +10,27 @@
 
 namespace scanlock {
 
-/// Counts in square cells, shared by all whose (i, j) are the same modulo the side: sharing only raises a
-/// count. A cell has eight bytes of `Lane`s, each a count of its own, and a vote is added to any of them at
-/// once: bits of the first kLanes of a mask say to which.
+/// Counts of votes in square cells. Cells whose (i, j) are equal modulo the side share a count: sharing only
+/// raises it. A cell has eight bytes of `Lane`s, each a separate count, and one 64-bit addition adds a vote
+/// to any of them: a vote has a 1 in each lane to be raised, see vote_in().
 ///
-/// A vote for a block of one or two cells by one or two is one addition, to a table of its shape; the four
-/// tables are summed afterwards.
+/// A vote for a block of 1 x 1, 2 x 1, 1 x 2 or 2 x 2 cells is one addition, to the table of that shape; the
+/// four tables are summed afterwards.
 template <typename Lane>
 class VoteTable {
  public:
   static constexpr int kSide = 32, kLanes = 8 / sizeof(Lane);
   static constexpr std::size_t kMost = std::numeric_limits<Lane>::max();  // votes that cannot overflow
 
-  /// Where to add a vote for the block of cells with its lowest at (i, j), of two cells along i, along j.
+  /// Index of the block whose lowest cell is (i, j): block(i, j), plus these for two cells along i, along j.
   static constexpr std::uint32_t kTwoAlongI = kSide * kSide, kTwoAlongJ = 2 * kSide * kSide;
-  /// Votes for this count nowhere; after mark() it is not marked, and the one that follows is.
+  /// Two blocks without cells: votes for kNoBlock count nowhere; mark() clears kNoBlock and marks
+  /// kMarkedBlock.
   static constexpr std::uint32_t kNoBlock = 4 * kSide * kSide, kMarkedBlock = kNoBlock + 1;
   static std::uint32_t block(std::int32_t i, std::int32_t j) {
     return static_cast<std::uint32_t>((j & (kSide - 1)) * kSide + (i & (kSide - 1)));
   }
-  /// A vote in lane `lane`; sums of such are votes, too.
+  /// A vote in lane `lane`; sums of votes in different lanes are votes, too.
   static std::uint64_t vote_in(int lane) {
     std::array<Lane, kLanes> lanes{};
     lanes[static_cast<std::size_t>(lane)] = 1;
@@ -42,9 +43,9 @@ class VoteTable {
     const std::uint64_t sum = packed(at) + vote;
     std::memcpy(at, &sum, sizeof sum);
   }
-  /// After the last vote: counts the cells, and returns the fullest, lane by lane.
+  /// After the last vote: counts the votes of all cells; returns the largest count of each lane.
   std::array<Lane, kLanes> count() {
-    Row two_up, two_up_below;  // what counts in the row and the one above
+    Row two_up, two_up_below;  // votes for two cells along j, from this row and from the row below
     add_along_row(&blocks_[kTwoAlongJ * kLanes + kCells - kRow], two_up_below);
     Row high{};
     for (std::size_t row = 0; row < kCells; row += kRow) {
@@ -61,7 +62,7 @@ class VoteTable {
     for (std::size_t x = 0; x < kRow; ++x) result[x % kLanes] = std::max(result[x % kLanes], high[x]);
     return result;
   }
-  /// Marks the blocks that have a cell with a count of at least so many. The votes are gone then.
+  /// Marks the blocks with a cell whose count is at least `least`. The marks replace the votes.
   void mark(int least) {
     for (std::size_t s = 0; s < kCells; ++s) blocks_[s] = static_cast<Lane>(counts_[s] >= least ? -1 : 0);
     const Lane *one = blocks_.data(), *two = one + kTwoAlongI * kLanes;
@@ -71,7 +72,7 @@ class VoteTable {
     std::fill_n(&blocks_[kNoBlock * kLanes], kLanes, Lane{0});
     std::fill_n(&blocks_[kMarkedBlock * kLanes], kLanes, static_cast<Lane>(-1));
   }
-  /// Not 0 where a lane of the vote was marked.
+  /// Not 0 if a lane of the vote is marked.
   std::uint64_t marked(std::uint32_t block, std::uint64_t vote) const {
     return packed(&blocks_[std::size_t{block} * kLanes]) & vote;
   }
@@ -85,7 +86,7 @@ class VoteTable {
     std::memcpy(&bits, lanes, sizeof bits);
     return bits;
   }
-  /// Sums a row of single cells and the row of pairs that belongs to it.
+  /// Sums a row of single cells and the row of pairs along i at the same place.
   static void add_along_row(const Lane* single, Row& sum) {
     const Lane* pair = single + kTwoAlongI * kLanes;
     for (std::size_t x = 0; x < kLanes; ++x)
@@ -93,7 +94,7 @@ class VoteTable {
     for (std::size_t x = kLanes; x < kRow; ++x)
       sum[x] = static_cast<Lane>(single[x] + pair[x] + pair[x - kLanes]);
   }
-  /// Joins the marks of each block with those of the next: a cell on, or a row on, around the end.
+  /// Combines the marks of each block with those of the next block, along i or along j, cyclically.
   static void join(const Lane* marks, std::size_t size, Lane* joined) {
     const std::size_t step = size == kRow ? kLanes : kRow;
     for (std::size_t x = 0; x + step < size; ++x) joined[x] = static_cast<Lane>(marks[x] | marks[x + step]);
