@@ -7,10 +7,12 @@
 namespace scanlock {
 namespace {
 
-// Squared gaps (see squared_gap): kMostGap for a robot that is not trusted, and what makes an alignment
-// unusual. Lorries close by have 0.5, kidnaps that nothing else tells of mostly 6 and more.
+// Squared gaps (see squared_gap): the bound in place of kMostGap after a distrusted scan, and the one beyond
+// which an alignment is unusual. Scans with a lorry close by have 0.5; kidnaps that no other test detects
+// mostly have 6 and more.
 constexpr double kMostGapDistrusted = 10, kUnusualGap = 1;
-constexpr double kMotionTells = 1.2;  // seconds, after which the gaps of right places are as large as others
+// Seconds without a trusted scan, after which right alignments have gaps as large as wrong ones.
+constexpr double kMotionTells = 1.2;
 
 double gap(const Attempt& attempt) {
   return squared_gap(attempt.prior, attempt.alignment.moving);

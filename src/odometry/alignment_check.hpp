@@ -10,44 +10,46 @@
 namespace scanlock {
 
 /// Decides whether the alignment of a scan with the local map is trusted: by its energy, by the distance of
-/// its pose from the prediction, and by whether the last trusted scan contradicts it (see contradiction()).
-/// After a scan that was not trusted the bound of the distance is narrower, until one is.
+/// its pose and velocity from the prediction, and by the contradiction with the last trusted scan (see
+/// contradiction()). The bound of the distance is narrower from a distrusted scan until the next trusted one.
 class AlignmentCheck {
  public:
-  /// No scan was trusted yet: the robot is at `pose`, at `time`.
+  /// Starts anew, without a trusted scan: the robot is at `pose` (map frame) at `time` (microseconds).
   void restart(const Pose& pose, std::int64_t time);
-  /// The scan at time `now` is trusted, with the robot there. `witness`: the next scan is compared with it.
+  /// The scan at `now` (microseconds) is trusted, at the pose and velocity `moving`. `witness`: later scans
+  /// are tested for contradiction with it.
   void trust(std::int64_t now, const PreparedScan& scan, const MovingPose& moving, bool witness);
-  /// A scan is not trusted. `contradicted`: because is_contradicted() or is_to_be_confirmed() says so.
+  /// A scan is not trusted. `contradicted`: because of is_contradicted() or is_to_be_confirmed().
   void distrust(bool contradicted);
 
   /// The last trusted scan.
   const Sighting& last() const { return last_; }
-  /// Seconds since then.
+  /// Seconds since the last trusted scan.
   double unseen_s(std::int64_t now) const;
-  /// Scans since then.
+  /// Number of scans since the last trusted one.
   int distrusted_scans() const { return distrusted_scans_; }
-  /// Whether one of those was contradicted, or has to be confirmed: the robot may be at another place that
-  /// looks like the expected one.
+  /// Whether a scan since the last trusted one was contradicted or has to be confirmed: the robot may be at
+  /// another place that looks like the expected one.
   bool looks_alike() const { return looks_alike_; }
 
-  /// Whether the robot can have moved to where the alignment puts it: by pose and velocity together (see
-  /// squared_gap).
+  /// Whether the motion from the prediction to the alignment is physically plausible, by pose and velocity
+  /// together (see squared_gap).
   bool is_plausible(const Attempt& attempt) const;
   /// Whether the alignment explains its scan, and is plausible.
   bool is_trusted(const Attempt& attempt) const;
-  /// Whether more than its scan has to tell that the robot is there: at an unusual distance from where it is
-  /// `expected` (see squared_gap), after more than kMoment without a trusted scan, in which scans of a sensor
-  /// with this period (seconds) are missing. Rooms look alike once turned. Of 548 scans of other places on
-  /// three office floors that the local map explained after 0.6 or 1.1 s, is_contradicted() holds for 410 and
-  /// this for 118 of the others; of 330 in the right place, in five worlds, for 2 and 6. After 2 s this holds
-  /// for a fifth of the right ones, and is not asked.
+  /// Whether the scan is too little evidence for its alignment: no scan was trusted for more than kMoment and
+  /// more than 1.5 periods of the sensor (`period_s`, seconds), and the alignment is unusually far from the
+  /// `expected` state (see squared_gap). Rooms look alike when the sensor is turned. Of 548 scans from other
+  /// places on three office floors that the local map explained after gaps of 0.6 or 1.1 s, is_contradicted()
+  /// holds for 410 and this test for 118 of the remaining ones; of 330 scans at the right place, in five
+  /// worlds, for 2 and 6. After 2 s it would hold for a fifth of the scans at the right place, so that it is
+  /// false after long gaps (kMotionTells). False for the first few scans, too.
   bool is_to_be_confirmed(std::int64_t now, double period_s, const MotionPrior& expected,
                           const Attempt& attempt) const;
-  /// Whether the last trusted scan contradicts an alignment that explains its scan: the place looks like the
-  /// expected one and is another. Asked only after a gap, or where the alignment is unusual: what passes
-  /// close by hides as much as another place does, but neither moves the pose nor costs much. Never of the
-  /// first few scans, whose motion is not known well enough.
+  /// Whether the last trusted scan contradicts an alignment that explains its scan: the robot is at another
+  /// place that looks like the expected one. Tested only after a gap, or where the alignment is unusual: an
+  /// object that passes close by hides as many points as a change of place, but changes neither the pose nor
+  /// the energy much. Never true for the first few scans, whose motion is not known well enough.
   bool is_contradicted(std::int64_t now, const PreparedScan& scan, const Attempt& attempt) const;
 
  private:

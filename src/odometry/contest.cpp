@@ -17,37 +17,40 @@
 namespace scanlock {
 namespace {
 
-// Of the usual share of inliers, what a place has to have to fit: rooms that look alike have 0.85 to 0.93. Of
-// what is seen at a place that a search believes, or that nothing contradicts, the rest may be new ground.
+// Least inlier ratio of a scan that fits a hypothesis, over the running median: rooms that look alike have
+// 0.85 to 0.93. The second one is for a hypothesis that a search supports or nothing contradicts: the other
+// points may be on ground that the map does not cover.
 constexpr double kUsualShare = 0.9, kKnownShare = 0.3;
-constexpr double kUnknownShare = 0.5;  // the usual one, before a second scan
+constexpr double kUnknownShare = 0.5;  // assumed running median before an alignment was accepted
 constexpr int kWins = 3;               // scans in a row
-constexpr int kMissesAllowed = 1;
-constexpr double kFew = 0.25;  // of the mean number of points in a patch
-// Standard deviations that a difference of counts exceeds by chance once in 30,000 scans. In a hall of two
-// like ends, 250 points a scan, they had 0.9 to 1.0, and at most 3.2 in 141 scans.
+constexpr int kMissesAllowed = 1;      // scans that do not fit a hypothesis
+constexpr double kFew = 0.25;          // pseudocount, in mean numbers of points in a patch
+// Standard deviations that a difference of counts exceeds by chance once in 30,000 scans. In a hall with two
+// ends alike, at 250 points per scan, the differences had 0.9 to 1.0, and at most 3.2 in 141 scans.
 constexpr double kChance = 4;
-// Energy of a scan beyond the usual one. Of 1052 scans of a vlp16 at the right place in a map of another
-// drive half had more than 0.02 and 5 of 100 more than 0.048, of 990 in maps of other buildings all had more
-// than 0.089 and half more than 0.21; in a town the right place has up to 0.13, and searches that are sure.
-// Log odds of a unit.
+// Energy of a scan less its running median, at which its log odds are 0, and log odds per unit of energy. Of
+// 1052 scans of a vlp16 at the right place in a map of another drive half had more than 0.02 and 5 of 100
+// more than 0.048; of 990 scans in maps of other buildings all had more than 0.089 and half more than 0.21.
+// In a town, scans at the right place have up to 0.13, and the log odds of searches are high there.
 constexpr double kMoreEnergy = 0.07, kOddsOfEnergy = 200;
-// What a fit is worth at most: no less than that, and one more for so many patches of surfaces that stand up.
-// One to eight scans of rooms met 40 to 330.
+// Upper bound of the log odds by energy: one per kPatchesAFold patches of steep surfaces, but at least
+// kLeastOfFit. One to eight scans of rooms met 40 to 330 such patches.
 constexpr double kLeastOfFit = 2.5, kPatchesAFold = 15;
-// What the excursion has drifted since the search may be farther off than an alignment reaches that looks
-// near. So many places are looked for farther off on one scan, for it takes time; all are in kWins scans.
+// The drift of lost-mode odometry since the search may exceed the near reach of an alignment. Hypotheses that
+// have never fitted are therefore also aligned with the far reach: at most this many per scan, because that
+// takes time, and all of them within kWins scans.
 constexpr int kFarLooks = 2;
-constexpr int kMostScans = 8;  // scans in which it has to be decided
+constexpr int kMostScans = 8;  // scans that fit the best hypothesis, within which the test has to decide
 
-/// Whether two corrections put a body that is predicted there to about the same pose. (Their own translations
-/// say nothing: they grow with the distance from the map's origin.)
+/// Whether two corrections map the predicted pose of the body to about the same pose. (The distance of their
+/// own translations is no measure: it grows with the distance from the map's origin.)
 bool same_place(const Pose& a, const Pose& b, const Pose& predicted, double metres, double radians) {
   return near(a * predicted, b * predicted, metres, radians);
 }
 
-/// Whether the place slides along what is seen: a tunnel is the same everywhere. Of the pose it is known
-/// before that it is about there, so that what is open in height does not open the ground.
+/// Whether the scan leaves the pose unobservable along a horizontal axis or in yaw, as along a tunnel. A
+/// prior of the size of one place bounds all directions, so that an unobservable height does not make the
+/// horizontal axes uncertain.
 bool is_open(const Attempt& attempt) {
   Vector6 about;
   about << Eigen::Vector3d::Constant(kSamePlace), Eigen::Vector3d::Constant(kSameHeading);
@@ -97,12 +100,14 @@ double Contest::Place::explained() const {
                          [](double sum, const Patch& patch) { return sum + patch.explained; });
 }
 
-/// Whether the other place is believed against this one, by the points that meet a surface and do not lie on
-/// it. Their number in a patch has a long tail, at the right place (people, what was moved) and at others, so
-/// that its logarithm counts. What a map does not show speaks for nothing: a patch counts as far as both show
-/// it. Of 3,913 pairs of the right place and another one that fits (57 starts in maps of rooms) none has a
-/// difference below 1.8, and its factor in a logistic regression is 1.0 (both, and the deviations at kChance,
-/// by distances that the thickness of a surface did not scale). Where points are few it may be chance.
+/// Whether `place` is clearly worse than `other`, by the points that meet a surface and do not lie on it. The
+/// number of such points in a patch has a long tail, at the right place (people, moved objects) and at
+/// others, so that its logarithm counts. Regions that a map does not cover carry no evidence: a patch counts
+/// by the share of its points that meet a surface in both maps. Of 3,913 pairs of the right place and another
+/// one that fits (57 starts in maps of rooms) none has a difference below 1.8, and its factor in a logistic
+/// regression is 1.0 (these figures, and the deviations at kChance, are of distances that were not scaled by
+/// the thickness of a surface). The difference also has to exceed kChance standard deviations of the counts,
+/// because between few points it may be chance.
 bool Contest::is_worse(const Place& place, const Place& other) const {
   const double few =
       kFew * std::accumulate(points_.begin(), points_.end(), 0.0) / static_cast<double>(points_.size());
@@ -127,8 +132,8 @@ double Contest::log_odds() const {
   return std::clamp(log_odds_of_energy(health.energy - health.baseline), -kMostOfScans, most);
 }
 
-/// Adds the scan, in the patches where the robot is predicted. `anew`: to nothing; a place that fits for the
-/// first time was not looked for well enough before.
+/// Adds the points of the scan at its predicted pose to the counts of the patches. `anew`: the earlier counts
+/// are discarded, because a hypothesis that fits for the first time was not aligned well enough before.
 void Contest::note_explained(const PreparedScan& scan, const Pose& predicted, bool anew) {
   if (anew) {
     patches_.clear();
@@ -145,7 +150,7 @@ void Contest::note_explained(const PreparedScan& scan, const Pose& predicted, bo
     ++points_[k];
     for (Place& place : places_) {
       place.patches.resize(patches_.size());
-      // Of a part of the scan, which a probe looks at first, nothing is known.
+      // A probe that ended with a part of the scan has no matches of its single points.
       const bool whole = place.point_matches.size() == scan.source.size();
       const PointMatch match = whole ? place.point_matches[i] : PointMatch{};
       Place::Patch& patch = place.patches[k];
@@ -156,11 +161,13 @@ void Contest::note_explained(const PreparedScan& scan, const Pose& predicted, bo
   }
 }
 
-/// `most`: share of inliers at the place that has most. What a coarse map shows nowhere speaks against none.
+/// `most`: the largest inlier ratio of all hypotheses. Points on surfaces that a coarse map lacks at all of
+/// them are no evidence against any.
 bool Contest::fits(const Attempt& attempt, const Place& place, double most) const {
   const double usual = attempt.health.usual_share > 0 ? attempt.health.usual_share : kUnknownShare;
   const double needed = std::max(place.least_share * std::min(usual, most), kKnownShare * usual);
-  // A map of another sensor or day explains scans less well, which says nothing against what a search found.
+  // A map of another sensor or day explains scans less well than recent ones were explained: the z-score is
+  // no evidence against the result of a search.
   return explains(attempt, expected_ ? kJumpScore : std::numeric_limits<double>::infinity()) &&
          attempt.health.share >= needed &&
          near(attempt.alignment.moving.pose, attempt.prior.mean.pose, 3.0 * place.near_metres(),
@@ -226,7 +233,7 @@ Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, co
     wins_ = 0;
     return leader.missed > kMissesAllowed ? Outcome::kRefuted : Outcome::kOpen;
   }
-  // Who is clearly worse is out already.
+  // Hypotheses that are clearly worse were dropped above.
   const bool clear = std::none_of(places_.begin() + 1, places_.end(), [](const Place& p) { return p.fits; });
   if (clear && !expected_ && is_open(leader.attempt)) return Outcome::kUndecided;
   const bool same =
@@ -252,7 +259,8 @@ std::vector<Pose> Contest::places() const {
   return result;
 }
 
-/// Who has missed too often, is clearly worse than one that fits, or has come to stand where a better one is.
+/// Drops hypotheses that more than kMissesAllowed scans did not fit (unless they are the best), that are
+/// clearly worse than one that fits, or that have moved to the pose of a better one.
 void Contest::drop_losers(const Pose& predicted) {
   std::vector<Place> left;
   const auto beats = [&](const Place& winner, const Place& loser) {

@@ -16,48 +16,50 @@
 
 namespace scanlock {
 
-/// What an alignment says for a place rather than for ground that the map does not show, in log odds without
-/// a bound, by its energy beyond the usual one.
+/// Log odds, unbounded, that an alignment is at the robot's place rather than that the map does not cover
+/// this place. `more`: energy of the alignment less its running median.
 double log_odds_of_energy(double more);
 
 /// A sequential test of hypotheses, corrections of the predicted pose of a lost robot, on the scans that
-/// follow. A hypothesis wins when it explains three scans in a row with its share of the usual inliers (0.3
-/// of them where searches believe it, otherwise 0.9 of them, or of those of the best hypothesis if these are
-/// less) while every other one is refuted or clearly worse, and leaves no horizontal direction open. The test
-/// is undecided when no single hypothesis has won after a fixed number of scans.
+/// follow. A hypothesis wins when three scans in a row fit at it while every other hypothesis is refuted or
+/// clearly worse, and when x, y and yaw are observable. A scan fits if its inlier ratio is at least 0.3 of
+/// the running median for the hypothesis that a search supports; for the others at least 0.9 of the running
+/// median, or of the largest inlier ratio of all hypotheses if that is less. The test is undecided when x, y
+/// or yaw is unobservable, or when no hypothesis has won after eight scans that fit the best one. A
+/// hypothesis of expected_at() is not tested for observability.
 class Contest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
-  /// Corrections of predicted poses: first the one that searches believe, which the map need not show all of.
-  /// `maps`: of each hypothesis an odometer in the map around it; where there are none, the map of the
-  /// odometer of judge() shows all of them. In one map for all, a hypothesis beside another would be shown by
-  /// the keyframes of both, and explain more.
+  /// Corrections of predicted poses: first the hypothesis that a search supports, whose surroundings the map
+  /// may cover only in part. `maps`: for each hypothesis an odometer with the map around it; if empty, the
+  /// map of the odometer of judge() covers all hypotheses. A single map loaded for all would be unfair: two
+  /// hypotheses near each other would be covered by the keyframes of both, and explain more points.
   explicit Contest(const std::vector<Pose>& map_from_predicted,
                    std::vector<std::unique_ptr<Odometer>> maps = {});
-  /// A single hypothesis at which the robot is expected, without a search. `wins`: scans that it has
-  /// explained already.
+  /// A single hypothesis at which the robot is expected, without a search. `wins`: number of scans that
+  /// fitted it already.
   static Contest expected_at(const Pose& map_from_predicted, int wins);
 
-  /// The hypothesis near this correction is not contradicted, though the map may not show all that is seen
-  /// there.
+  /// A search found no contradiction to the hypothesis near this correction, though the map may cover only a
+  /// part of its surroundings: its least inlier ratio becomes the lower one.
   void note_standing(const Pose& map_from_predicted, const Excursion& excursion);
 
-  /// The hypotheses have maps of their own.
+  /// Whether the hypotheses have maps of their own.
   bool is_elsewhere() const { return places_.front().map != nullptr; }
-  /// Tests one more scan, which the excursion has followed. The test goes on while the outcome is kOpen, and
-  /// may go on after kWon.
+  /// Tests one more scan, which lost-mode odometry has followed. The test goes on while the outcome is kOpen,
+  /// and may go on after kWon.
   Outcome judge(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion);
-  /// It has had all the scans in which it has to be decided.
+  /// Whether the number of scans within which the test has to decide is used up.
   bool is_spent() const;
 
-  /// What the scans add to the log odds that the best hypothesis is the robot's place rather than ground that
-  /// the map does not show, up to kMostOfScans: by the energy of the last one beyond the usual one, and the
-  /// more, the more surfaces that stand up they meet there. Level ground fits everywhere. 0 where no scan was
-  /// aligned before.
+  /// Contribution of the scans to the log odds that the best hypothesis is the robot's place rather than that
+  /// the map does not cover this place; within +-kMostOfScans. It follows from the energy of the last scan
+  /// less its running median; its upper bound grows with the number of steep surfaces that the scans meet
+  /// there, since level ground fits everywhere. 0 if no scan was aligned before.
   double log_odds() const;
 
-  /// The reason of kUndecided, in words.
+  /// The reason for kUndecided, in words.
   const char* why_undecided() const;
 
   /// The alignment of the last scan at the best hypothesis.
@@ -69,22 +71,22 @@ class Contest {
  private:
   struct Place {
     Pose map_from_predicted;
-    std::unique_ptr<Odometer> map;  ///< null: that of judge()
-    double least_share = 0;         ///< of the usual share of inliers, to fit
-    int missed = 0;
-    bool fits = false;        ///< the last scan
-    bool tried = false;       ///< it has fitted
-    bool looked_far = false;  ///< or was looked for farther off
-    Attempt attempt;
+    std::unique_ptr<Odometer> map;  ///< null: the odometer of judge() is used
+    double least_share = 0;         ///< least inlier ratio of a scan that fits, over the running median
+    int missed = 0;                 ///< scans that did not fit
+    bool fits = false;              ///< whether the last scan fits
+    bool tried = false;             ///< whether any scan has fitted
+    bool looked_far = false;        ///< whether a scan was aligned with the far reach
+    Attempt attempt;                ///< alignment of the last scan
     std::vector<PointMatch> point_matches;  ///< of the last scan
     struct Patch {
-      double known = 0, explained = 0, steep = 0;  ///< points of the scans, see PointMatch
+      double known = 0, explained = 0, steep = 0;  ///< numbers of points of the scans, see PointMatch
       double off() const { return known - explained; }
     };
     std::vector<Patch> patches;
-    double explained() const;                              ///< points of all patches
-    bool is_due() const { return !tried && !looked_far; }  ///< before that it cannot be out
-    /// How far off it may be: standard deviations.
+    double explained() const;                              ///< number of points, over all patches
+    bool is_due() const { return !tried && !looked_far; }  ///< as long as true it is not dropped
+    /// Standard deviations of the error of the hypothesis.
     double near_metres() const { return tried ? 0.1 : 0.5; }
     double near_radians() const { return (tried ? 2.0 : 3.0) * kDegree; }
   };
@@ -97,11 +99,12 @@ class Contest {
   bool is_worse(const Place& place, const Place& other) const;
   void drop_losers(const Pose& predicted);
 
-  std::vector<Place> places_;  ///< never empty; the leader first
-  /// Cubes of the predicted frame, by their Morton keys: the points of one share what is wrong with them.
+  std::vector<Place> places_;  ///< never empty; the best hypothesis first
+  /// Cubes of the predicted frame: index in `patches` and `points_` by Morton key. The points of one cube
+  /// share an error.
   std::map<std::uint64_t, std::size_t> patches_;
-  std::vector<double> points_;  ///< in each patch, of the scans since all places were looked for well
-  double patch_ = 0;            ///< metres, their edge
+  std::vector<double> points_;  ///< points in each patch, of the scans since a hypothesis last began to fit
+  double patch_ = 0;            ///< metres, edge of the patches
   int wins_ = 0, scans_ = 0;
   bool expected_ = false;
 };

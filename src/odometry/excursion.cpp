@@ -7,9 +7,10 @@
 namespace scanlock {
 namespace {
 
-constexpr double kBendGain = 0.4;
-constexpr double kBentMetres = 2.5, kBentRadians = 0.5;  // a second
-constexpr double kShort = 0.3;  // seconds: over longer ones the velocity may well be another than on the way
+constexpr double kBendGain = 0.4;                        // of the exponential mean, per scan
+constexpr double kBentMetres = 2.5, kBentRadians = 0.5;  // per second
+// Seconds between two scans: over longer intervals the velocity at the scans may differ from the one between.
+constexpr double kShort = 0.3;
 
 }  // namespace
 
@@ -31,7 +32,7 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
     attempt = better(std::move(attempt), odometer_->probe(scan, loosened(prior), Reach::kFar));
   }
   if (!explains(attempt, kJumpScore) || squared_gap(prior, attempt.alignment.moving) > kMostGap) {
-    // A velocity that did not meet the scan is worth no more than none.
+    // The velocity before the first alignment is a guess: one that the second scan contradicts is dropped.
     begin_anew(utime, scan, {prior.mean.pose, scans_ == 1 ? Vector6::Zero() : prior.mean.twist});
     return false;
   }
@@ -75,10 +76,10 @@ void Excursion::remember(std::int64_t utime, const PreparedScan& scan) {
   seen_.add(utime, here, scan.median_range, deskewed(scan.source, odometer_->state()), tie);
 }
 
-/// Scans that a wrong velocity bends all alike fit each other, so that nothing else tells: but the way from
-/// scan to scan is another than the velocity says.
+/// True if the velocity is wrong: its mean difference from the motion between scans (`way`, per second) is
+/// too large. Scans that a wrong velocity distorts all alike still fit each other: no other test detects it.
 bool Excursion::is_bent(const Vector6& velocity, const Vector6& way) {
-  if (scans_ == 1) return false;  // the velocity before the first scan is hearsay
+  if (scans_ == 1) return false;  // the velocity at the first scan is a guess
   bend_ += kBendGain * (velocity - way - bend_);
   return bend_.head<3>().norm() > kBentMetres || bend_.tail<3>().norm() > kBentRadians;
 }
@@ -95,7 +96,8 @@ void Excursion::note_up(const Eigen::Vector3d& up_in_body) {
 }
 
 std::optional<Eigen::Vector3d> Excursion::up() const {
-  constexpr double kOneDirection = 0.5;  // of vectors that point anywhere little is left
+  // Length of the sum of unit vectors: below it they have no common direction.
+  constexpr double kOneDirection = 0.5;
   if (!(up_sum_.norm() > kOneDirection)) return std::nullopt;
   return up_sum_.normalized();
 }

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-// How a robot moves when it is first seen: Odometer::deskew_first.
+// The velocity of a robot at its first two scans: Odometer::deskew_first.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -11,15 +11,16 @@
 namespace scanlock {
 namespace {
 
-// Speeds (m/s) along its x axis, ahead and back, that a vehicle may have when it is first seen; ICP finds
-// what is between them.
+// Initial speeds (m/s) along the x axis, forwards and backwards, that a vehicle may have at its first scan;
+// ICP finds speeds between them.
 constexpr double kSpeeds[] = {5, 10, 15, 20, 25, 30};
 constexpr int kRounds = 3;
-// Voxels by which points move from one scan to the next: by less than the first two motions are the same, or
-// it is none.
+// Displacement of points from one scan to the next, in voxels: two motions that differ by less than kSame are
+// the same, and a motion of less than kAtRest is rest.
 constexpr double kSame = 0.2, kAtRest = 0.05;
 
-/// Whether a point leaves its surface, by more than noise makes of it, where it moves by so much (metres).
+/// Whether a displacement `by` (metres) takes a point off its surface by more than noise (metres) and the
+/// error of the normal explain.
 bool leaves(const PointFit& fit, const Eigen::Vector3f& by, float noise) {
   if (fit.explained <= 0) return false;
   const Surface& surface = fit.surface;
@@ -29,9 +30,10 @@ bool leaves(const PointFit& fit, const Eigen::Vector3f& by, float noise) {
   return std::abs(along) > noise + 2 * tilt * by.norm();
 }
 
-/// By how many points one motion explains the same scan better than another: of those alone that can tell,
-/// which the way from the one to the other takes off their surface. The rest, the ground above all, fits
-/// wherever the robot is, and best where the same spots are seen twice: at rest.
+/// Number of points, weighted, by which motion `one` explains the same scan better than motion `other`. Only
+/// points that the displacement between the two motions takes off their surface are counted. All other
+/// points, most of them on the ground, fit at any motion, and best at rest, where the sensor measures the
+/// same spots twice.
 double advantage(const std::vector<PointFit>& one, const std::vector<PointFit>& other, float noise) {
   double sum = 0;
   for (std::size_t i = 0; i < std::min(one.size(), other.size()); ++i) {
@@ -44,9 +46,9 @@ double advantage(const std::vector<PointFit>& one, const std::vector<PointFit>& 
 
 }  // namespace
 
-/// A velocity bends the first scan and predicts the second one. It is right where the alignment of the two
-/// gives it back; from elsewhere it moves towards such a fixed point. Where a scene has several, standing
-/// among them, the one is taken that explains more points than any other.
+/// A velocity deskews the first scan and predicts the second one. It is right where the alignment of the two
+/// returns the same velocity; from other velocities the iteration moves towards such a fixed point. Where a
+/// scene has several fixed points, zero velocity among them, the result is the one that explains most points.
 Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt attempt, bool any_speed) {
   if (!awaits_second()) return attempt;
   PreparedScan first;
@@ -56,8 +58,9 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   const Pose pose = last_keyframe_pose_;
   const auto [earliest, latest] = std::minmax_element(first.fine.time.begin(), first.fine.time.end());
   const double sweep = static_cast<double>(*latest) - *earliest;
-  // A wrong velocity bends both scans alike, so that they fit each other still. The way from one stamp to the
-  // next tells better, if the one scan ends about where the other begins.
+  // A wrong velocity distorts both scans alike, so that they still fit each other. The displacement between
+  // the stamps is then the better measure of the velocity, if the second scan begins about when the first
+  // ends.
   const bool gapless = sweep > 0.5 * dt && dt > 0.5 * sweep;
   const auto moving_at = [&](const Vector6& twist) -> MovingPose {
     return {renormalised(pose * se3_exp(dt * twist)), twist};
@@ -79,7 +82,7 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
     const Vector6 apart = dt * (a - b);
     return apart.head<3>().norm() + scan.median_range * apart.tail<3>().norm() < voxels * scan.voxel;
   };
-  const PreparedScan part = part_of(scan, kDeskewPoints);  // will do for the way there
+  const PreparedScan part = part_of(scan, kDeskewPoints);  // enough for the first rounds
   PreparedScan all = scan;
   all.source = scan.fine;
   MovingPose best = found_by(attempt);
@@ -92,7 +95,7 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
     best_fits = std::move(fits);
   };
   std::vector<Vector6> tried;
-  // Whether it led anywhere new.
+  // Iterates from a velocity to a fixed point; false if it arrives at a velocity that was tried before.
   const auto settle = [&](MovingPose second) {
     for (int round = 0; round < kRounds; ++round) second = found_by(align_from(second, part));
     for (int round = 0; round < kRounds; ++round) {
@@ -117,7 +120,7 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   settle(found_by(attempt));
   settle(rest);
   if (gapless && any_speed) {
-    // Where two speeds in a row lead, on both sides, to what is known, those farther off are not tried.
+    // Two speeds in a row that lead, forwards and backwards, to velocities tried before end the search.
     int known = 0;
     for (const double speed : kSpeeds) {
       const bool ahead = settle(moving_at(speed * Vector6::Unit(0)));
@@ -128,8 +131,8 @@ Attempt Odometer::deskew_first(const PreparedScan& scan, double dt, Attempt atte
   }
   const bool at_rest = best.twist.isZero();
   for (int round = 0; round < kRounds && !at_rest; ++round) best = found_by(align_from(best, all));
-  // The velocity within the scan is that of the way there: on a bridge, which hardly holds a motion ahead, it
-  // would fit with any.
+  // The prior holds the velocity within the scan to the one between the scans: on a bridge, whose surfaces
+  // hardly constrain a motion along it, the scan would fit with any velocity.
   Attempt result = align_held(best, scan, attempt.prior);
   result.prior = attempt.prior;
   return result;

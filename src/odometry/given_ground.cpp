@@ -15,11 +15,12 @@ void GivenGround::follow(const KeyframeArchive& archive, double voxel, Odometer*
     return (k.map_from_body.translation() - here).norm() < static_cast<double>(k.reach);
   });
   if (!shown) {
-    if (!odometer->map().is_founded()) forget();  // all of it was out of range: coming back is new
+    // All given keyframes are out of range by now: on return they are loaded again.
+    if (!odometer->map().is_founded()) forget();
     return;
   }
   at_ = here;
-  within_ = kSameSpot * archive.scene(here);  // also where the points cannot be read: not tried at each scan
+  within_ = kSameSpot * archive.scene(here);  // set before unreadable points throw: no retry at each scan
   const double farthest = odometer->found_on(archived, archive.fixed(), voxel);
   within_ = std::max(within_, kSameSpot * farthest);
   odometer->set_drift(Matrix6::Zero());

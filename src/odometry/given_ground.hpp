@@ -8,20 +8,20 @@
 
 namespace scanlock {
 
-/// Keeps the local map founded on the fixed keyframes of an archive, those of a given map, as the robot
-/// moves.
+/// Loads the fixed keyframes of an archive, those of a given map, into the local map as the robot moves.
 class GivenGround {
  public:
-  /// Where fixed keyframes show the ground around the robot, the map of the odometer is founded on them, anew
-  /// as it moves on, and its drift is zero. `voxel` in metres. Throws PointsUnreadable, and changes nothing
-  /// of the odometer then.
+  /// Where the robot is within reach of a fixed keyframe, loads the fixed keyframes around it into the map of
+  /// the odometer (see LocalMap::found_on()) and sets its drift to zero; again when the robot has moved by a
+  /// third of the size of the scene. `voxel` in metres. Throws PointsUnreadable, and then leaves the odometer
+  /// unchanged.
   void follow(const KeyframeArchive& archive, double voxel, Odometer* odometer);
-  /// The archive or the map of the odometer has changed.
+  /// To be called when the archive or the map of the odometer was changed: the next follow() loads anew.
   void forget() { within_ = 0; }
 
  private:
-  Eigen::Vector3d at_ = Eigen::Vector3d::Zero();  ///< where the map was last founded
-  double within_ = 0;                             ///< metres from there in which that is near enough
+  Eigen::Vector3d at_ = Eigen::Vector3d::Zero();  ///< position (map frame) of the last load
+  double within_ = 0;                             ///< metres from at_ within which nothing is loaded
 };
 
 }  // namespace scanlock

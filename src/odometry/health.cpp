@@ -10,12 +10,13 @@
 namespace scanlock {
 namespace {
 
-/// Energies of good alignments differ by so much from one corner of a scene to the next: a smaller spread in
-/// the history is luck, not knowledge.
+/// Least standard deviation of the energy of good alignments: it differs by this much from one corner of a
+/// scene to the next. A smaller spread of the history is chance.
 constexpr double kLeastSpread = 0.03;
 
-/// Of the energy of one point, as single ones differ by 0.3 and up to ten share an error. Trusted scans of
-/// recordings had 0.3 to 0.5, with long tails: a chair or a door is many of so few points.
+/// Standard deviation of the mean energy of n points, times sqrt(n): 0.3 sqrt(10), because single energies
+/// have 0.3 and up to ten neighbours share an error. Trusted scans of recordings had 0.3 to 0.5, with long
+/// tails: a chair or a door covers many of the few points of a planar scan.
 constexpr double kPlanarChance = 0.95;
 
 double median(std::vector<double> values) {

@@ -9,51 +9,53 @@
 
 namespace scanlock {
 
-/// Of a source point, by its distance (see ScanAligner) from the surface that it met; both in metres.
+/// Whether a source point lies on its surface: nearer than 3 `scale`. `distance`: see ScanAligner; both in
+/// metres.
 inline bool is_inlier(float distance, double scale) {
   return std::abs(static_cast<double>(distance)) < 3 * scale;
 }
 
 /// How well an alignment explains its scan, compared with recent alignments.
 struct Health {
-  double energy = 1;    ///< weighted mean of Welsch's function of the residuals at a fixed scale, 0 to 1
-  double overlap = 0;   ///< share of the source points that met a surface
-  double baseline = 0;  ///< median of the recent energies
-  bool young = true;    ///< there are fewer than five of them: the map is thin
-  double rise = 0;      ///< of the energy over the baseline, in robust standard deviations of the recent ones
-  double score = 0;     ///< z-score: the same, in units of `chance` (see assess) where that is larger
-  int inliers = 0;      ///< source points, see is_inlier()
-  double share = 0;     ///< of the source points, the inliers
-  double usual_share = 0;  ///< median of the recent ones
+  double energy = 1;       ///< weighted mean of Welsch's function of the residuals at a fixed scale, 0 to 1
+  double overlap = 0;      ///< share of the source points that met a surface
+  double baseline = 0;     ///< running median of the energy, over the history
+  bool young = true;       ///< history length below five: the map is thin
+  double rise = 0;         ///< energy less baseline, in robust standard deviations of the history
+  double score = 0;        ///< z-score: as `rise`, but in units of `chance` (see assess) where that is larger
+  int inliers = 0;         ///< number of source points with is_inlier()
+  double share = 0;        ///< inlier ratio: inliers over source points
+  double usual_share = 0;  ///< running median of the inlier ratio; 0 without a history
 };
 
-/// Standard deviation, by chance, of the energy of a whole scan of a planar sensor.
+/// Standard deviation, by chance, of the energy of a whole scan of a planar sensor with this many points.
 double planar_chance(std::size_t points);
 
-/// The normalised energy and its recent history. At a known place the energy of a scan is about that of the
-/// scans before it, at any speed; at another place, wherever ICP has slid it, it is larger. (A guard in
-/// metres fails on fast roads, and overlap alone lies in both directions.)
+/// The normalised energy and its recent history. At a mapped place the energy of a scan is about that of the
+/// scans before it, at any speed; at another place it is larger, at whatever pose ICP has converged to. (A
+/// bound in metres fails on fast roads, and the overlap alone may be too high at a wrong pose and too low at
+/// the right one.)
 class HealthMonitor {
  public:
-  /// Residuals, distances and weights of source points: see ScanAligner. `scale`: metres, fixed while the
-  /// sensor and the scene stay what they are. `chance`: standard deviation of the energy of a whole scan by
-  /// chance; the scan here may be a part of it.
+  /// Residuals, distances and weights of source points: see ScanAligner. `scale`: metres, about constant for
+  /// one sensor and scene. `chance`: standard deviation of the energy by chance, of a whole scan also where
+  /// the points are a part of one.
   Health assess(const std::vector<float>& residuals, const std::vector<float>& distances,
                 const std::vector<float>& weights, double scale, double chance) const;
-  /// Adds the energy of an alignment that was trusted.
+  /// Adds the energy and the inlier ratio of a trusted alignment to the history.
   void remember(const Health& health);
   void forget() { count_ = 0; }
   bool has_history() const { return count_ > 0; }
 
-  /// Scans that are remembered: those since which the scale of residuals is about the same, for Odometer
-  /// smooths it over as many. A longer memory takes a slow change of the scene, as of a wood that a robot
-  /// drives into, for a jump.
+  /// History length, scans. Odometer smooths the scale of residuals over as many scans, so that it is about
+  /// the same for all of them. A longer history would report a slow change of the scene, as on the way into a
+  /// wood, as a jump.
   static constexpr std::size_t kHistory = 10;
 
  private:
-  static constexpr std::size_t kYoung = 5;  // scans
-  std::array<double, kHistory> history_{}, shares_{};
-  std::size_t count_ = 0;  ///< remembered since the last forget
+  static constexpr std::size_t kYoung = 5;             // scans
+  std::array<double, kHistory> history_{}, shares_{};  ///< energies and inlier ratios, in ring buffers
+  std::size_t count_ = 0;                              ///< number of remember() since the last forget()
 };
 
 }  // namespace scanlock

@@ -7,9 +7,10 @@
 
 namespace scanlock {
 
-/// Adds the keyframes that were seen while the robot was lost to the archive, where they show new ground.
-/// Their poses follow from the pose that was found, `map_from_predicted`, and their covariances from the way
-/// back from there. `reach`: metres, of the scan now.
+/// Adds the keyframes of lost-mode odometry to the archive, except where the archive has a keyframe within a
+/// third of `reach`. Their poses follow from `map_from_predicted`, the correction that relocalisation found,
+/// and their covariances from the covariance of lost-mode odometry, transformed to the keyframe. `reach`:
+/// metres, median range of the current scan.
 void join(const Excursion& excursion, const Pose& map_from_predicted, double reach, KeyframeArchive* archive);
 
 }  // namespace scanlock

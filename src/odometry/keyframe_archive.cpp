@@ -14,11 +14,11 @@
 namespace scanlock {
 namespace {
 
-constexpr std::int64_t kFresh = 60000000;  // microseconds: the drift of a minute does not matter
+constexpr std::int64_t kFresh = 60000000;  // microseconds: the drift within a minute is negligible
 constexpr double kNeighbourhood = 20.0;    // metres
-constexpr std::size_t kMostPoints = 3000;  // of a place
-constexpr double kLeastTie = 1e-8;         // (0.1 mm)^2 and (0.1 mrad)^2: no chain is rigid
-constexpr float kStandStep = 0.05F;        // radians, between two that count as different
+constexpr std::size_t kMostPoints = 3000;  // of a keyframe
+constexpr double kLeastTie = 1e-8;         // least variance: (0.1 mm)^2 and (0.1 mrad)^2
+constexpr float kStandStep = 0.05F;        // radians, between two attitudes that count as different
 
 template <typename Vector>
 bool stands_alike(const std::vector<Vector>& stands, const Vector& up) {
@@ -27,7 +27,7 @@ bool stands_alike(const std::vector<Vector>& stands, const Vector& up) {
                      [&](const Vector& other) { return up.dot(other) > least; });
 }
 
-/// z is taken to be up in the map frame.
+/// Assumes that z is up in the map frame.
 std::shared_ptr<const PlaceSignature> signature_of(const ArchivedKeyframe& k) {
   return std::make_shared<const PlaceSignature>(*k.points.cloud(), k.map_from_body.linear().cast<float>());
 }
@@ -100,7 +100,7 @@ void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double 
   evict();
 }
 
-/// The tie is from a keyframe that is there.
+/// The constraint of the keyframe, if any, has to be from an archived keyframe.
 void KeyframeArchive::append(ArchivedKeyframe keyframe) {
   keyframe.id = next_id_++;
   if (keyframe.tie) keyframe.tie->to = keyframe.id;
@@ -186,7 +186,7 @@ double KeyframeArchive::begin_submap(const KeyframeArchive& seen) {
     first = std::min(first, k.map_from_body.translation().x());
   const double away = seen.empty() ? 0.0 : std::max(0.0, last + kSubmapsApart - first);
   for (ArchivedKeyframe& k : keyframes_) k.map_from_body.translation().x() -= away;
-  std::map<std::uint32_t, std::uint32_t> ids;  // here, by those there
+  std::map<std::uint32_t, std::uint32_t> ids;  // in this archive, by id in `seen`
   for (ArchivedKeyframe k : seen.keyframes_) {
     ids.emplace(k.id, next_id_);
     if (const auto from = k.tie ? ids.find(k.tie->from) : ids.end(); from != ids.end())
@@ -214,7 +214,7 @@ void KeyframeArchive::clear() {
   restored_ = 0;
 }
 
-/// Place in the list of the first keyframe that was not restored.
+/// Position in the list of the first keyframe that was not restored.
 std::size_t KeyframeArchive::first_of_own() const {
   const auto own = std::partition_point(keyframes_.begin(), keyframes_.end(),
                                         [&](const ArchivedKeyframe& k) { return k.id <= restored_; });
@@ -229,7 +229,7 @@ void KeyframeArchive::count_points() {
 void KeyframeArchive::evict() {
   count_points();
   const std::size_t first = first_of_own();
-  std::size_t gone = first;  // up to there
+  std::size_t gone = first;  // end of the evicted range
   while (points_ > max_points_ && gone + 1 < keyframes_.size()) points_ -= keyframes_[gone++].points.size();
   keyframes_.erase(keyframes_.begin() + static_cast<std::ptrdiff_t>(first),
                    keyframes_.begin() + static_cast<std::ptrdiff_t>(gone));

@@ -14,9 +14,9 @@
 namespace scanlock {
 namespace {
 
-constexpr std::size_t kFreshShare = 5;     // one in so many points: then all are indexed together
-constexpr std::size_t kLeastFresh = 4000;  // points: a tree of so few is built in half a millisecond
-constexpr double kSurfaceVoxels = 4.0;     // radius of what a surface is fitted to
+constexpr std::size_t kFreshShare = 5;     // all points are indexed together once one in this many is new
+constexpr std::size_t kLeastFresh = 4000;  // new points: a tree of so few is built in half a millisecond
+constexpr double kSurfaceVoxels = 4.0;     // radius of the neighbourhood of a surface, in voxels
 constexpr double kOriginReach = 200.0;     // metres: at this distance a float still resolves 15 micrometres
 
 std::uint64_t voxel_key(const Eigen::Vector3f& p, float inverse_voxel) {
@@ -61,7 +61,7 @@ double LocalMap::insert(Keyframe keyframe, double voxel) {
     forget(here, limits_);
     const bool moves = (here - origin_).norm() > kOriginReach || keyframes_.size() == 1;
     const bool other_grid = moves || voxel != voxel_;
-    // The voxels that given keyframes show are counted in one grid.
+    // The numbers of points of given keyframes per voxel are valid for one grid only.
     if (other_grid && is_founded()) return load(taken_out(), voxel);
     if (moves) move_origin(here);
     if (other_grid) note_voxels(voxel);
@@ -156,9 +156,9 @@ void LocalMap::forget(const Eigen::Vector3d& here, const LocalMapLimits& limits)
   std::unordered_set<std::uint32_t> kept;
   std::size_t points = keyframes_.back().points.size();
   for (const Keyframe& k : keyframes_) kept.insert(k.id);
-  // The cap counts points of the map; the oldest keyframes give way.
+  // The cap counts points of the map; the oldest own keyframes are removed.
   for (std::size_t i = 0; i < cloud_.size(); ++i) points += shown_[i] > 0 || kept.count(last_seen_[i]) > 0;
-  // With room for as many fresh ones as a rebuild waits for.
+  // Leaves room for the points that are added before the next rebuild.
   auto most = static_cast<std::size_t>(limits.max_points);
   most -= most / kFreshShare;
   for (; points > most && own > 1; --own) {
@@ -170,7 +170,7 @@ void LocalMap::forget(const Eigen::Vector3d& here, const LocalMapLimits& limits)
   forget_points();
 }
 
-/// Those that no keyframe shows any more.
+/// Removes the points in voxels of which no keyframe has a point any more.
 void LocalMap::forget_points() {
   std::unordered_set<std::uint32_t> kept;
   for (const Keyframe& k : keyframes_) kept.insert(k.id);
@@ -190,8 +190,7 @@ void LocalMap::forget_points() {
 }
 
 void LocalMap::move_origin(const Eigen::Vector3d& here) {
-  // Whole metres, so that the shift is exact in floats for points near the robot, and voxels of the map stay
-  // in step.
+  // Whole metres, so that the shift is exact in floats for points near the robot.
   const Eigen::Vector3d origin = here.array().round();
   const Eigen::Vector3f shift = (origin_ - origin).cast<float>();
   origin_ = origin;
@@ -258,7 +257,8 @@ std::size_t LocalMap::add_novel_points(const Keyframe& keyframe) {
   return novel;
 }
 
-/// What a given keyframe alone shows stays only where a keyframe of the robot's own has seen it.
+/// Removes the keyframes for which `out` is true. The points of a removed given keyframe stay only in voxels
+/// that another given keyframe or one of the robot's own covers.
 template <typename Out>
 void LocalMap::drop(const Out& out) {
   for (const Keyframe& k : keyframes_) {
