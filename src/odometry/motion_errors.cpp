@@ -11,7 +11,7 @@
 namespace scanlock {
 namespace {
 
-/// Axes of the body that accelerate alike: what drives, and what swings (see MotionFilter).
+/// Axes of the body that accelerate alike: those of driving, and those of swinging (see MotionFilter).
 struct Kind {
   int first, last;
 };
@@ -38,11 +38,11 @@ void MotionErrors::update(const MotionPrior& prior, const ScanAlignment& alignme
   const Matrix12 g = from_data * held + Matrix12::Identity() - share;
   const Matrix12 measured = from_data * (alignment.scatter / (variance * variance)) * from_data.transpose();
   const Matrix12 carried = prior.transition * covariance_ * prior.transition.transpose();
-  // A prior that was not predicted from a state is taken at its word.
+  // For a prior that was not predicted from a state, its own covariance is taken.
   Matrix12 predicted = prior.ahead_s > 0 ? carried : inverse(prior.information);
   if (prior.ahead_s > 0 && !velocity_known_) predicted += prior.noise;
   if (prior.ahead_s > 0 && velocity_known_) {
-    // What the update moved the state by is (G - I) e_predicted + L g.
+    // The update moved the state by (G - I) e_predicted + L g.
     const Matrix12 moved = g - Matrix12::Identity();
     const Vector12 explained = (moved * carried * moved.transpose() + measured).diagonal();
     const Vector6 by = outcome.twist - prior.mean.twist;
@@ -53,7 +53,7 @@ void MotionErrors::update(const MotionPrior& prior, const ScanAlignment& alignme
       Acceleration now, &lately = accelerations_[k];
       for (int axis = kind.first; axis <= kind.last; ++axis) {
         const int velocity = axis + 6;
-        // The noise of an axis is that of its position and of its velocity.
+        // The noise along an axis has a part of its position and a part of its velocity.
         const Eigen::Vector2d response(moved(velocity, axis), moved(velocity, velocity));
         Eigen::Matrix2d noise;
         noise << prior.noise(axis, axis), prior.noise(axis, velocity), prior.noise(velocity, axis),
@@ -62,11 +62,11 @@ void MotionErrors::update(const MotionPrior& prior, const ScanAlignment& alignme
         now.seen += by[axis] * by[axis] - explained[velocity];
       }
       now.seen = std::max(now.seen, 0.0);
-      // Before anything is known all of it may be there.
+      // Until there is a measurement, all of the allowed acceleration is assumed.
       if (lately.allowed <= 0) lately = {now.allowed, now.allowed};
       lately.seen = kept * lately.seen + now.seen;
       lately.allowed = kept * lately.allowed + now.allowed;
-      // What one scan shows for certain is there, though there was none before.
+      // An acceleration that this scan shows counts at once, even if the scans before it showed none.
       const double present = std::sqrt(std::max(lately.share(), now.share()));
       for (int axis = kind.first; axis <= kind.last; ++axis) root[axis] = root[axis + 6] = present;
     }

@@ -9,9 +9,9 @@
 namespace scanlock {
 namespace {
 
-constexpr int kSwinging[] = {2, 3, 4};  // z, roll, pitch: what hands, legs and springs do
+constexpr int kSwinging[] = {2, 3, 4};  // z, roll, pitch: moved by hands, legs and springs
 
-// What a robot that nobody knows anything of may be doing when it is first seen.
+// Standard deviations of the velocity of a robot when it is first seen.
 constexpr double kStartSpeed = 10.0;    // m/s
 constexpr double kStartTurnRate = 1.5;  // rad/s
 
@@ -45,8 +45,8 @@ void MotionFilter::set_planar(bool planar) {
 MotionPrior MotionFilter::predict(double dt) const {
   MotionPrior prior;
   prior.ahead_s = dt;
-  Vector6 kept = Vector6::Ones();        // of a velocity's deviation from its mean, at the end,
-  Vector6 time = Vector6::Constant(dt);  // and the seconds at the velocity of now that the way there is worth
+  Vector6 kept = Vector6::Ones();        // factor on a velocity's deviation from its mean, after dt
+  Vector6 time = Vector6::Constant(dt);  // seconds at the deviation of now that cover the same way
   for (const int axis : kSwinging) {
     kept[axis] = exp(-dt / kReturn);
     time[axis] = kReturn * (1 - kept[axis]);
@@ -89,7 +89,8 @@ void MotionFilter::update(const MotionPrior& prior, const ScanAlignment& alignme
   state_ = alignment.moving;
   state_.pose = renormalised(state_.pose);
   follow_mean(prior.ahead_s);
-  // That a prediction was met says nothing more of where no data did.
+  // An outcome near the prediction adds no information along directions without data: the weight is at most
+  // 1.
   const double weight = std::min(prior_weight(squared_gap(prior, alignment.moving)), 1.0);
   covariance_ = inverse(Matrix12(weight * prior.information + alignment.information / variance));
 }

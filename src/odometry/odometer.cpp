@@ -13,33 +13,33 @@
 namespace scanlock {
 namespace {
 
-/// A residual's variance as the filter sees it: neighbouring residuals share the error of their surface, so a
-/// scan of thousands of points knows less than as many independent measurements.
+/// Factor on the variance of a residual as the filter sees it: neighbouring residuals share the error of
+/// their surface, so a scan of thousands of points carries less information than as many independent
+/// measurements.
 constexpr double kVarianceInflation = 6;
-/// Kernels and gates are this share of the median range, where the voxel is smaller: how far a prediction is
-/// off depends on the scene and the motion, not on the density of the sensor.
+/// Kernels and gates scale with this share of the median range, or with the voxel if that is larger: the
+/// error of a prediction depends on the scene and the motion, not on the density of the sensor.
 constexpr double kReach = 0.04;
 /// Points nearer each other than this share of the median range share the errors of their surfaces.
 constexpr double kPatch = 0.5;
-constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no plane is better
+constexpr double kLeastSigma = 0.015;  // metres: no LiDAR and no fitted plane is more precise
 constexpr double kFirstSigma = 0.03;
 constexpr double kNearFirst = 3,
-                 kFarFirst = 6;  // times the reach: from farther off all is pulled to where most is
+                 kFarFirst = 6;  // times the reach: a wider first kernel is drawn to where most points are
 /// A cap on cost. An alignment that ends before it has converged stays near its prediction, so that errors of
-/// the velocity feed the next one.
+/// the velocity are passed on to the next alignment.
 constexpr int kMostIterations = 36;
 
-/// Radians: a planar robot turns on the spot, by more between two scans than ICP can follow.
+/// Radians: a robot with a planar sensor turns on the spot, between two scans by more than ICP can follow.
 constexpr double kTurns[] = {-0.2, 0.2, -0.4, 0.4, -0.6, 0.6, -0.8, 0.8};
 
 constexpr double kLeastShare = 0.3;
 constexpr double kLeastOverlap = 0.25;
-constexpr double kMostEnergy = 0.55;  // whatever the history says
-constexpr double kMostAtFirst = 0.7;  // a map of few scans is thin
+constexpr double kMostEnergy = 0.55;  // whatever the history of energies is
+constexpr double kMostAtFirst = 0.7;  // the same for a map of few scans, which is thin
 constexpr double kLeastOfUsualShare = 0.8;
 
-/// By how much the points of a scan may be off where they are predicted: a standard deviation at this range,
-/// in metres.
+/// Standard deviation, metres, of the predicted position of a scan's points at this range.
 double displacement(const MotionPrior& prior, double range) {
   const Matrix6 predicted = pose_covariance(prior);
   return std::sqrt((predicted.topLeftCorner<3, 3>().trace() +
@@ -52,7 +52,7 @@ Observed observed(const Attempt& attempt, double variance) {
                             pose_covariance(attempt.prior));
 }
 
-/// Where the alignment mistook errors of normals for what holds the robot, the prediction says the rest.
+/// The alignment with the part of its motion that rests on errors of normals replaced by the prediction.
 ScanAlignment corrected(const Attempt& attempt, const Observed& seen) {
   const ScanAlignment& alignment = attempt.alignment;
   ScanAlignment result = alignment;
@@ -104,8 +104,8 @@ void Odometer::set_planar(bool planar) {
 
 namespace {
 
-/// Of the first `count` archived keyframes at most `most`, the nearest ones around `centre`: the nearest
-/// last.
+/// At most `most` of the first `count` archived keyframes, those nearest to `centre`, in order of decreasing
+/// distance.
 std::vector<const ArchivedKeyframe*> nearest_keyframes(const std::vector<ArchivedKeyframe>& archived,
                                                        std::size_t count, const Eigen::Vector3d& centre,
                                                        int most) {
@@ -119,7 +119,7 @@ std::vector<const ArchivedKeyframe*> nearest_keyframes(const std::vector<Archive
   return keyframes;
 }
 
-/// Without points.
+/// The keyframe without its points.
 Keyframe keyframe_of(const ArchivedKeyframe& archived, bool given) {
   Keyframe keyframe;
   keyframe.utime = archived.utime;
@@ -132,7 +132,7 @@ Keyframe keyframe_of(const ArchivedKeyframe& archived, bool given) {
 
 void Odometer::reload(const std::vector<ArchivedKeyframe>& archived, const Eigen::Vector3d& centre,
                       double voxel, std::size_t given) {
-  // The map forgets from the front, where the farthest are.
+  // The map drops keyframes from the front, where the farthest ones are.
   std::vector<Keyframe> keyframes;
   for (const ArchivedKeyframe* k :
        nearest_keyframes(archived, archived.size(), centre, config_.max_keyframes)) {
@@ -242,7 +242,7 @@ Attempt Odometer::probe(const PreparedScan& scan, const MotionPrior& prior, Reac
   Attempt part = reach == Reach::kFar ? look_far(few, prior, sides) : align(few, prior, reach, sides);
   if (!explains(part, kJumpScore)) return part;
   if (reach == Reach::kNear) return align(scan, prior, reach, sides);
-  MotionPrior arrived = prior;  // the part went the far way already
+  MotionPrior arrived = prior;  // the far search was made with the part already
   arrived.mean = part.alignment.moving;
   Attempt whole = align(scan, arrived, Reach::kNear, sides);
   whole.prior = prior;
@@ -269,7 +269,7 @@ void Odometer::accept(const Attempt& attempt) {
   prior.mean = attempt.told.value_or(prior.mean);
   filter_.update(prior, real, variance());
   follow_drift(before);
-  // The frame is that of the first stamp, its points are where the velocity of now puts them.
+  // The frame is that of the first stamp; the points of the first scan are placed by the velocity of now.
   const double ahead = real.moving.middle_s;
   add_drift(untold_ * ahead * ahead * errors_.covariance().bottomRightCorner<6, 6>());
   untold_ = 0;
@@ -290,7 +290,7 @@ void Odometer::set_pose(const Pose& map_from_body) {
   new_drift_.setZero();
 }
 
-/// Within a scan a body accelerates about as it did lately.
+/// Limits the acceleration within a scan to what occurred lately.
 MotionPrior Odometer::as_lately(MotionPrior prior) const {
   prior.acceleration_density.array() *= errors_.shares().cwiseMin(1.0).array();
   return prior;
@@ -322,8 +322,8 @@ void Odometer::insert(std::int64_t utime, const PreparedScan& scan, const Moving
   keyframe.utime = utime;
   keyframe.map_from_body = moving.pose;
   keyframe.points = deskewed(scan.fine, moving);
-  // Ground that is new lies where the scan was seen from, as well as that was known: from now on that share
-  // of the pose's error is one of the map.
+  // New ground is placed with the error of the pose from which it was seen: from now on that share of the
+  // pose's variance belongs to the map.
   const double share = map_.insert(std::move(keyframe), scan.voxel);
   add_drift(share * pose_covariance());
   errors_.leave_to_map(share);

@@ -11,32 +11,32 @@
 namespace scanlock {
 namespace {
 
-constexpr int kFirstScans = 2;        // of the first one the motion is hearsay
-constexpr int kLongestPause = 600;    // scans between two requests,
-constexpr int kRarer = 20;            // and how soon they get rare where they bring nothing
-constexpr int kSecondLook = 1;        // scans before one that follows a find, and another one
-constexpr int kLooksAScan = 24;       // for so many attempts: what is found again and again convinces nobody
-constexpr double kSourceReach = 5.6;  // of the scene's size, radius of what is looked for
+constexpr int kFirstScans = 2;        // at the first scan the velocity is not measured yet
+constexpr int kLongestPause = 600;    // scans between two requests
+constexpr int kRarer = 20;            // (attempts^2 / kRarer) scans are added to the pause
+constexpr int kSecondLook = 1;        // scans between a request that found a place and the next one,
+constexpr int kLooksAScan = 24;       // plus one for every 24 attempts: repeated results add little evidence
+constexpr double kSourceReach = 5.6;  // of the scene's size: radius of the source
 constexpr double kVoxel = 0.0675;     // of the scene's size
-constexpr double kStep = 1.35;        // from one scale to the next
-// Where the body stood in many ways it stands in others, too. A search that allows for them takes several
-// times as long.
+constexpr double kStep = 1.35;        // ratio of a scale to the one before
+// Where more body-up attitudes than this were recorded, the body takes others, too. A search that allows for
+// them takes several times as long.
 constexpr std::size_t kManyStands = 4;
 constexpr double kTilt = 0.01, kRoughTilt = 0.025;  // radians
-constexpr double kOffset = 20.0;  // metres: how far from the anchor, or from the middle of a narrow part
+constexpr double kOffset = 20.0;  // metres: of the robot from the anchor, or from the centre of a narrow part
 
-/// So many steps from a size, metres; of sizes that are about the same it is the same.
+/// A size, metres, rounded to a power of kStep, so that similar sizes give the same, and so many steps more.
 double scale(double size, int steps) {
   const double step = log(kStep);
   return exp(step * (std::round(log(size) / step) + steps));
 }
 
-/// Metres: the radius of what is looked for on the widest scale.
+/// Metres: the radius of the source on the widest scale.
 double widest_source(double scene) {
   return kSourceReach * scale(scene, kSearchScales - 1);
 }
 
-/// Of a wide part, on one of the scales; without its centre, up and places.
+/// The target of a wide part, on one of the scales; without its centre, up and places.
 SearchTarget target_of(double scene, int steps) {
   SearchTarget target;
   target.source_radius = kSourceReach * scale(scene, steps);
@@ -45,8 +45,8 @@ SearchTarget target_of(double scene, int steps) {
   return target;
 }
 
-/// The mean reach, metres, over the ground that keyframes within `radius` metres of `centre` show: where they
-/// reach less they are more.
+/// The mean reach, metres, of the keyframes within `radius` metres of `centre`, weighted by reach squared:
+/// where keyframes reach less far there are more of them on the same area.
 double scene_of_part(const KeyframeArchive& archive, const Eigen::Vector3d& centre, double radius) {
   double sum = 0, weights = 0;
   for (const ArchivedKeyframe& k : archive.keyframes()) {
@@ -60,8 +60,8 @@ double scene_of_part(const KeyframeArchive& archive, const Eigen::Vector3d& cent
 
 }  // namespace
 
-/// Around keyframes, so that each is in one: those first that look most like `seen`, where that is given,
-/// then those next to the anchor. Around the anchor there is none.
+/// The parts around keyframes, such that each keyframe is in one, except those near the anchor. Those that
+/// look most like `seen` come first, where that is given, then those nearest to the anchor.
 std::vector<PlaceSearch::Part> PlaceSearch::parts_of(const KeyframeArchive& archive, bool wide,
                                                      const std::optional<Eigen::Vector3d>& anchor,
                                                      const PlaceSignature* seen) {
@@ -71,7 +71,7 @@ std::vector<PlaceSearch::Part> PlaceSearch::parts_of(const KeyframeArchive& arch
   };
   const double usual_reach = reach_at(scene_of_part(archive, Eigen::Vector3d::Zero(), kAnywhere));
   std::vector<Part> parts;
-  // The parts stay where they are while the map does, so that they are described once.
+  // The parts stay the same while the map does, so that each is described only once.
   for (const ArchivedKeyframe& k : archive.keyframes()) {
     const Eigen::Vector3d& place = k.map_from_body.translation();
     if (anchor && (place - *anchor).norm() < 0.7 * kOffset) continue;
@@ -142,14 +142,14 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   target = target_of(wide ? part->scene : seen.scene, attempts_ % kSearchScales);
   if (!wide) target.radius = target.source_radius + kOffset;
   request.finer = attempts_ / kSearchScales % 2 == 1;
-  // Where a sensor was, so that what it saw through is known to be empty.
+  // The centre is a position of the sensor, so that free space is known around it.
   target.centre = part ? part->centre : archive.nearest(*anchor_).map_from_body.translation();
   target.up = up.value_or(Eigen::Vector3d::UnitZ());
   target.places = archive.keyframes();
   request.source_centre = here;
   request.source = seen.map.around(here, target.source_radius);
-  // A measured attitude goes for every place. Every other round does without: what accelerates measures
-  // badly.
+  // A measured attitude is valid at every place. Every other round does without it: during accelerations the
+  // measurement is bad.
   if (up && (turn_ / round_) % 2 == 0) request.source_up = seen.up;
   if (!request.source_up)
     request.stands = stands_around(target.places, target.centre, target.radius - target.source_radius);
@@ -163,7 +163,7 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   return request;
 }
 
-/// What was not used is kept for a window of time.
+/// Adds the credit since the last call; unused credit is kept for up to kWindow.
 bool PlaceSearch::has_credit(std::int64_t utime) {
   const double elapsed = 1e-6 * static_cast<double>(utime - credited_utime_);
   credited_utime_ = utime;
@@ -176,7 +176,7 @@ bool PlaceSearch::take(std::int64_t serial, bool found, bool little, double cost
   credit_s_ -= cost_s;
   out_ = false;
   if (void_) return false;
-  const bool again = rough_ && !careful_ && !found;  // with care
+  const bool again = rough_ && !careful_ && !found;  // with kRoughTilt
   careful_ = careful_ || again;
   if (!again) ++attempts_;
   if (again || found)

@@ -12,10 +12,10 @@
 namespace scanlock {
 namespace {
 
-constexpr double kNearest = 1.0;  // metres, of the rings, whose widths grow with the range
-constexpr float kAbove = 0.5F;    // metres: higher than the sensor
+constexpr double kNearest = 1.0;  // metres: inner radius of the rings, whose widths grow with the range
+constexpr float kAbove = 0.5F;    // metres above the sensor, from which on a point counts as above it
 constexpr float kHighest = 0.3F;  // of the range: no sensor sees much higher
-constexpr double kBeside = 0.6;   // of a cell's value its neighbours have at least
+constexpr double kBeside = 0.6;   // each cell has at least this share of the value of each neighbour
 
 }  // namespace
 
@@ -44,7 +44,7 @@ PlaceSignature::PlaceSignature(const PointCloud& points, const Eigen::Matrix3f& 
   norm_ = std::sqrt(sum);
 }
 
-/// Whether there is anything to count. `high`: what is higher than the sensor only.
+/// Adds the points to the cells of `counts`; false where none counts. `high`: only points above the sensor.
 bool PlaceSignature::count(const PointCloud& points, const Eigen::Matrix3f& level, bool high,
                            std::array<double, kCells>* counts) {
   const double rings = static_cast<double>(kRings) / log(kReach / kNearest);
@@ -68,7 +68,7 @@ double PlaceSignature::similarity(const PlaceSignature& other) const {
   std::array<std::array<std::int16_t, 2 * kSectors>, kRings> twice_around{};
   for (const Cell& cell : cells_)
     twice_around[cell.ring][cell.sector] = twice_around[cell.ring][cell.sector + kSectors] = cell.value;
-  std::array<std::int32_t, kSectors> sums{};  // of each turn; exact, so that they depend on no order
+  std::array<std::int32_t, kSectors> sums{};  // for each turn; integers, so that the order does not matter
   for (const Cell& cell : other.cells_) {
     const std::int16_t* ring = &twice_around[cell.ring][cell.sector];
     for (std::size_t turn = 0; turn < kSectors; ++turn)

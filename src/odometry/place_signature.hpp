@@ -12,9 +12,9 @@
 namespace scanlock {
 
 /// A descriptor of a keyframe, for sorting the places to search: the number of points above the sensor in
-/// each cell of rings and sectors around it (a polar histogram, as scan context, Kim and Kim 2018, is of
-/// heights). Points below the sensor (ground, cars, people) count only where there are none above it, as for
-/// a planar sensor. similarity() does not depend on the heading, and little on the sensor.
+/// each cell of rings and sectors around it (a polar histogram; scan context, Kim and Kim 2018, has heights
+/// in its cells). Where no point is above the sensor, as for a planar sensor, all points count (also ground,
+/// cars, people). similarity() does not depend on the heading, and little on the sensor.
 class PlaceSignature {
  public:
   static constexpr double kReach = 60.0;  ///< metres: points farther off do not count

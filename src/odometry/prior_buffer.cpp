@@ -14,9 +14,9 @@ constexpr std::size_t kMostSamples = 4096;
 constexpr std::int64_t kMemory = 4000000;          // microseconds
 constexpr std::int64_t kRestart = 1000000;         // microseconds back
 constexpr std::int64_t kMostPause = 500000;        // microseconds between two samples
-constexpr std::int64_t kMostAhead = 100000;        // microseconds that a motion is continued
+constexpr std::int64_t kMostAhead = 100000;        // microseconds of extrapolation
 constexpr std::int64_t kVelocityBaseline = 50000;  // microseconds: longer than the jitter of stamps
-constexpr double kShift = 1.0;                     // seconds that no queue and no sweep explains
+constexpr double kShift = 1.0;                     // seconds: more than a queue or a sweep delays a pose
 
 /// The pose at `part` of the way from `a` to `b`; `part` may exceed 1.
 Pose between(const Pose& a, const Pose& b, double part) {

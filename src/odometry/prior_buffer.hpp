@@ -11,21 +11,22 @@
 
 namespace scanlock {
 
-/// Measurements of other sensors at one instant. Frames are those sensors' own; body is the robot's.
+/// Measurements of other sensors at one instant. `local` and `level` are the sensors' frames; `body` is the
+/// robot's.
 struct PriorSample {
   std::optional<Pose> odometry;                       ///< local_from_body
   std::optional<Eigen::Quaterniond> level_from_body;  ///< attitude; its heading is not used
 };
 
-/// The recent stamped poses of another sensor, interpolated at the stamps of scans. Depends on the poses
-/// added alone, not on a clock. Bounded.
+/// The recent stamped poses of another sensor, interpolated at the stamps of scans. The results depend only
+/// on the poses added, not on a clock. Bounded. Stamps (`utime`) are microseconds.
 class PriorBuffer {
  public:
   enum class Addition : std::int8_t {
     kTaken,
-    kRestarted,  ///< earlier than the one before by over a second: another run began, the old ones are
-                 ///< forgotten
-    kBackward,   ///< earlier than the one before, or the same: ignored
+    kRestarted,  ///< over a second earlier than the sample before it: another run began, older samples are
+                 ///< dropped
+    kBackward,   ///< up to a second earlier than the sample before it, or the same stamp: ignored
     kNotFinite,  ///< ignored
   };
   Addition add(std::int64_t utime, const Pose& pose);
@@ -34,15 +35,15 @@ class PriorBuffer {
     kNone,     ///< there is a pose
     kNever,    ///< no pose was ever added
     kStale,    ///< no pose near that instant
-    kShifted,  ///< poses are added, but stamped over a second off: two clocks
+    kShifted,  ///< poses are added, but their stamps are over a second off: two clocks
   };
   struct Answer {
     std::optional<Pose> pose;
     Absence absence = Absence::kNone;
     double offset_s = 0;  ///< the newest stamp minus the instant asked for
   };
-  /// The pose at `utime`: between two samples that are less than half a second apart, or at most 0.1 s after
-  /// the newest.
+  /// The pose at `utime`: interpolated between two samples that are at most half a second apart, or
+  /// extrapolated by at most 0.1 s.
   Answer at(std::int64_t utime);
 
  private:
@@ -55,12 +56,12 @@ class PriorBuffer {
 
   std::deque<Sample> samples_;  ///< oldest first, stamps strictly ascending
   std::optional<std::int64_t> last_asked_;
-  /// Seconds from the instant last asked for to the newest sample, when that came: tells a sensor with
-  /// another clock from one that fell silent.
+  /// Seconds from the instant last asked for to the newest sample, when that sample arrived: distinguishes a
+  /// sensor with another clock from one that fell silent.
   std::optional<double> arrival_offset_s_;
 };
 
-/// "0.41 s behind", for an offset that is negative, or "12.00 s ahead".
+/// "0.41 s behind" for an offset of -0.41, "12.00 s ahead" for one of 12.
 std::string offset_words(double offset_s);
 
 }  // namespace scanlock

@@ -13,12 +13,12 @@ namespace scanlock {
 namespace {
 
 constexpr int kStrikesOut = 5, kMostStrikes = 10;
-// Between two scans; wheels that slip a little are still a good prediction.
-constexpr double kMotionFloor = 0.10, kMotionShare = 0.25;       // metres, and of the way
-constexpr double kTurnFloor = 2.0 * kDegree, kTurnShare = 0.15;  // radians, and of the turn
+// Largest differences in the motion between two scans; wheels that slip a little still predict well.
+constexpr double kMotionFloor = 0.10, kMotionShare = 0.25;       // metres, plus a share of the distance
+constexpr double kTurnFloor = 2.0 * kDegree, kTurnShare = 0.15;  // radians, plus a share of the turn
 constexpr double kMostTilt = 4.0 * kDegree;
 constexpr double kUpGain =
-    0.02;  // a scan; drift of the odometry is slower, and tilts of the ground average out
+    0.02;  // per scan; the odometry drifts more slowly, and tilts of the ground average out
 
 bool sure(const TrackedScan& tracked) {
   return tracked.verdict == ScanVerdict::kTracked && tracked.method == PoseMethod::kIcp &&
@@ -57,7 +57,7 @@ ScanPrior PriorJudge::prior(const PriorSample& sample) const {
 
 std::optional<std::string> PriorJudge::learn(const PriorSample& sample, const TrackedScan& tracked) {
   if (tracked.verdict == ScanVerdict::kDuplicateTime || tracked.verdict == ScanVerdict::kBackwardTime)
-    return std::nullopt;  // the tracker forgot it as well
+    return std::nullopt;  // the tracker did not use the scan either
   std::optional<std::string> motion = learn_motion(sample, tracked), level = learn_level(sample, tracked);
   any_ = true;
   last_sample_ = sample;

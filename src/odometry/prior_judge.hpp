@@ -11,19 +11,19 @@
 
 namespace scanlock {
 
-/// The consistency check of auxiliary odometry and attitude: turns their measurements of the body into priors
-/// of the sensor, and compares each with the tracked scan. A source that contradicts the scans is withheld
-/// after some strikes, and until it agrees again: one strike for each scan that it contradicts, one back for
-/// each that it agrees with.
+/// The consistency check of auxiliary odometry and attitude: converts their measurements of the body into
+/// priors of the sensor, and compares each with the tracked scan. A source gets one strike for each scan that
+/// it contradicts, and loses one for each scan that it agrees with. It is withheld from kStrikesOut strikes
+/// on, until it has none left.
 class PriorJudge {
  public:
   explicit PriorJudge(const Pose& body_from_sensor) : body_from_sensor_(body_from_sensor) {}
 
-  /// The prior for the scan at which `sample` was taken.
+  /// The prior, of the sensor, for the scan at which `sample` was taken.
   ScanPrior prior(const PriorSample& sample) const;
 
-  /// The tracked scan of that sample, as the tracker reports it, of the sensor. Returns a sentence when a
-  /// source has become withheld or trusted.
+  /// Compares `sample` with its scan as tracked (poses of the sensor). Returns a sentence when a source has
+  /// become withheld or trusted again.
   std::optional<std::string> learn(const PriorSample& sample, const TrackedScan& tracked);
 
   std::int64_t contradictions() const { return motion_.contradictions + level_.contradictions; }
@@ -35,7 +35,7 @@ class PriorJudge {
     bool trusted = true;
     int strikes = 0;
     std::int64_t contradictions = 0;
-    /// True when the trust changed.
+    /// Counts one scan; true when `trusted` changed.
     bool count(bool contradicts);
   };
   std::optional<Pose> sensor_motion(const PriorSample& sample) const;
@@ -44,10 +44,10 @@ class PriorJudge {
 
   Pose body_from_sensor_;
   Trust motion_, level_;
-  bool any_ = false;  ///< the next two are of the scan before
+  bool any_ = false;  ///< last_sample_ and last_tracked_ are those of the scan before
   PriorSample last_sample_;
   TrackedScan last_tracked_;
-  std::optional<Eigen::Vector3d> up_;  ///< in the map frame, by the attitude; smoothed
+  std::optional<Eigen::Vector3d> up_;  ///< upward direction by the attitude sensor, map frame; smoothed
 };
 
 }  // namespace scanlock

@@ -17,21 +17,22 @@
 namespace scanlock {
 namespace {
 
-constexpr double kKeypoints = 1000;    // of the source; of the target as many per area
-constexpr double kMostIsThere = 0.85;  // overlap
-// Of two searches with a planar sensor in strange buildings that were taken in, it was a third.
+constexpr double kKeypoints = 1000;    // of the source; the target has as many per area
+constexpr double kMostIsThere = 0.85;  // overlap from which on the map does not lack much of the source
+// Overlap. Two wrong results with a planar sensor, in buildings that are not in the map, had a third.
 constexpr double kLittleOverlap = 0.5;
-// Of the source's points, the share that has to have enough neighbours: of a sensor of few points a wider
-// look tells more.
+// Least share of the source's points that have enough neighbours: for a sensor of few points a wider voxel
+// (kWider times) is more informative.
 constexpr double kDescribed = 0.4, kWider = 1.35;
 constexpr int kWidenings = 2;
-// Of what stands, points in the source from which it shows enough of it: some of them the map does not have.
+// Points of steep surfaces from which on the source has enough of them, as some are not in the map.
 constexpr std::size_t kEnoughSteep = 2 * kFewSteep;
-// Of 289 searches in five buildings 0.7 to 1.2 times their time (of a few 1.6): of all, of each point of the
-// map that is looked at, of each that is described or gathered for it, and of each match.
+// The estimate of the CPU time, seconds: per search, per point of the map that is looked at, per point that
+// is described, per point that is gathered for a description, and per match. For 289 searches in five
+// buildings it was 0.7 to 1.2 times the measured time (for a few 1.6).
 constexpr double kSecondsASearch = 0.25, kSecondsALook = 1.8e-6, kSecondsAPoint = 4e-6,
                  kSecondsARawPoint = 1e-7, kSecondsAMatch = 15e-9;
-constexpr std::size_t kMaxNodes = 20000;      // of a search: some tenths of a second
+constexpr std::size_t kMaxNodes = 20000;      // per search: some tenths of a second
 constexpr std::size_t kMaxWork = 40'000'000;  // of all searches for one answer: 0.8 s
 
 std::size_t steep_points(const PointCloud& cloud) {
@@ -47,8 +48,8 @@ CloudDescription describe_with(const PointCloud& cloud, double voxel) {
   return describe(cloud, options);
 }
 
-/// Wider than `voxel` where points lie too far apart for it. If `finer`, finer where that shows enough of
-/// what stands, as of parked cars on open ground, and `voxel` does not.
+/// Uses a wider voxel than `voxel` where points lie too far apart for it. If `finer`, uses a finer one where
+/// that leaves enough points of steep surfaces, as of parked cars on open ground, and `voxel` does not.
 CloudDescription describe_source(const PointCloud& cloud, double voxel, bool finer) {
   CloudDescription description = describe_with(cloud, voxel);
   if (finer && steep_points(description.points) < kEnoughSteep) {
@@ -76,7 +77,7 @@ double together(std::vector<double> log_odds) {
   return sum;
 }
 
-/// A part of the map made ready to be searched, and all that it depends on.
+/// A part of the map prepared for searches, and the inputs that it depends on.
 struct PlaceFinder::Target {
   explicit Target(const SearchTarget& wanted);
   bool is_of(const SearchTarget& wanted) const {
@@ -97,7 +98,7 @@ struct PlaceFinder::Target {
   Eigen::Vector3d up;
   std::vector<std::pair<std::int64_t, Pose>> places;
   CloudDescription description;
-  std::size_t raw_points = 0;  ///< that were gathered for it
+  std::size_t raw_points = 0;  ///< points that were gathered for it
 
  private:
   std::optional<CloudCheck> check_;
@@ -144,8 +145,8 @@ void PlaceFinder::prepare(const SearchTarget& target) {
 RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   CpuClock clock;
   const Eigen::Matrix3d level = level_rotation(request.target.up);
-  // Without a measured attitude the source is levelled by its own body: slopes turn the body, and where it
-  // stands now is not where it was lost.
+  // Without a measured attitude the source is levelled by the z axis of the body: slopes tilt the body, and
+  // the robot may now stand on another slope than where it was lost.
   const Eigen::Matrix3d stand = level_rotation(request.source_up.value_or(request.body_up));
   const CloudDescription source =
       describe_source(moved(request.source, Pose(stand)), request.target.voxel, request.finer);

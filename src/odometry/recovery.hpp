@@ -18,100 +18,101 @@ namespace scanlock {
 
 /// A part of a map in which a pose is searched for.
 struct SearchTarget {
-  std::vector<ArchivedKeyframe> places;              ///< of the whole map
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of the part, map frame
-  double source_radius = 0;                          ///< metres: of the source cloud
-  double radius = 0;                                 ///< metres about the centre
+  std::vector<ArchivedKeyframe> places;              ///< keyframes of the whole map
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of the part, map frame, metres
+  double source_radius = 0;                          ///< metres, of the source cloud
+  double radius = 0;                                 ///< metres, of the part about the centre
   double voxel = 0;                                  ///< metres
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();     ///< in the map frame
 };
 
-/// A global search: the recent scans as one cloud, and the part of the map in which to find their pose. A
-/// value: it can be worked on by another thread while the tracker goes on.
+/// A global search: the recent scans as one cloud (the source), and the part of the map in which their pose
+/// is searched for. A value: another thread can work on it while the tracker goes on.
 struct RecoveryRequest {
   std::int64_t serial = 0;
   std::int64_t utime = 0;  ///< microseconds, stamp of the newest scan in `source`
-  /// What was seen since the robot got lost, axes of the predicted map frame, relative to `source_centre`.
+  /// The points seen since the robot got lost; axes of the predicted map frame, relative to `source_centre`.
   PointCloud source;
   Eigen::Vector3d source_centre = Eigen::Vector3d::Zero();
-  SearchTarget target;  ///< its voxel is wider where the source is sparse
-  bool finer = false;   ///< or finer, where it shows hardly anything that stands, and a finer one does
-  double tilt = 0;      ///< radians: how well attitudes are known
-  /// The z axis of the body, axes of the predicted map frame.
+  SearchTarget target;  ///< a sparse source is searched for with a wider voxel than this one
+  bool finer = false;   ///< a finer voxel may be used, if only that shows enough points of steep surfaces
+  double tilt = 0;      ///< radians: error of the attitudes that the search allows for
+  /// The z axis of the body, axes of the predicted map frame, unit.
   Eigen::Vector3d body_up = Eigen::Vector3d::UnitZ();
-  /// What it may be at its place, axes of the map, unit; empty where up is measured.
+  /// The directions that it may have at the robot's place, axes of the map, unit; empty where up is measured.
   std::vector<Eigen::Vector3d> stands;
-  /// Up as an attitude sensor measured it, axes of the predicted map frame: goes for slopes on which the
-  /// robot never stood, too.
+  /// The upward direction by an attitude sensor, axes of the predicted map frame: valid also on slopes on
+  /// which the robot never stood.
   std::optional<Eigen::Vector3d> source_up;
-  /// Corrections of predicted poses between which scans could not decide.
+  /// Hypotheses (map_from_predicted) between which earlier scans could not decide.
   std::vector<Pose> undecided;
 };
 
 enum class PlaceVerdict : std::int8_t {
-  kFound,    ///< places to be tried on the scans that follow
-  kNotHere,  ///< no place there has enough of a consensus, or that it has is not proven
+  kFound,    ///< hypotheses to be tested on the scans that follow
+  kNotHere,  ///< no pose there has a consensus that is large enough and proven to be the largest
 };
 
-/// Metres and radians: poses so near each other are the same place.
+/// Metres and radians: poses within both of each other are the same place.
 inline constexpr double kSamePlace = 0.5, kSameHeading = 3.0 * kDegree;
-/// The axes that tell places apart, as bits (see Degeneracy): x, y and yaw.
+/// The axes along which places differ, as bits (see Degeneracy): x, y and yaw.
 inline constexpr std::uint32_t kOnTheGround = 0b100011;
 
-/// Earlier finds that have to say the same before two submaps are joined; with a planar sensor, whose rooms
-/// are soon like one another, also before a place is believed.
+/// Number of earlier search results that have to agree before two submaps are joined; the second is for
+/// planar sensors, to which rooms often look alike, and holds there also before a hypothesis is accepted.
 inline constexpr std::ptrdiff_t kAgreeing = 1, kPlanarAgreeing = 3;
-/// Of what was seen, the share that contradicts a place (see CloudFit) which is sound nevertheless.
+/// Largest contradiction (see CloudFit) of a search result by which submaps may be joined.
 inline constexpr double kSoundContradiction = 0.015;
-/// Log odds that a place is the robot's, by all searches that name it (see CloudRegistration) and by the
-/// scans that follow (see Contest::log_odds()), from which it is believed. With all finds put to the test,
-/// none of 990 scans in maps of other buildings had more than 0.2, and 98 % of 1052 at the right place had 5
-/// and more.
+/// Log odds that a hypothesis is right, from all searches that name it (see CloudRegistration) and from the
+/// scans that follow (see Contest::log_odds()), from which on it is accepted. With all search results put to
+/// the test, none of 990 scans in maps of other buildings had more than 0.2, and 98 % of 1052 at the right
+/// place had 5 and more.
 inline constexpr double kBelieved = 5.0;
-/// The most of these, and the least, that the scans add.
+/// Bound on the log odds that the scans add, positive or negative.
 inline constexpr double kMostOfScans = 10.0;
-/// Log odds before any search that a robot lost in a map of its own is somewhere in it: 20 to 1.
+/// Log odds before any search that a robot lost in the map it built itself is somewhere in it: 20 to 1.
 inline constexpr double kInOwnMap = 3.0;
-/// What searches that name the same place say together. They see much of the same, so that any two are
-/// correlated by 1/2: n that say the same are worth 2 n / (n + 1) of one. So the k-th, the surest first, adds
-/// 2 / (k (k + 1)) of what it says for the place. What speaks against it counts half; where all do, the one
-/// that says least counts whole.
+/// The combined log odds of searches that name the same place. Searches share much of their data, so that any
+/// two are correlated by 1/2: n equal results are worth 2 n / (n + 1) of one. So the k-th, in descending
+/// order, adds 2 / (k (k + 1)) of its log odds where these are positive. Negative log odds count half; where
+/// all are negative, those nearest to zero count whole.
 double together(std::vector<double> log_odds);
-/// Places that are tried at once, and finds that are remembered: caps on their cost.
+/// Hypotheses that are tested at once, and search results that are remembered: caps on their cost.
 inline constexpr std::size_t kMostPlaces = 5, kMostFinds = 20;
 
-/// Radius of the part of a map that is searched at once, in times the source's: in a building it is the whole
-/// map, so that all places that look alike are rivals in one search.
+/// Radius of the part of a map that is searched at once, over the radius of the source: in a building the
+/// part is the whole map, so that all places that look alike are hypotheses of one search.
 inline constexpr double kWidestPart = 6;
 
-/// What a search found.
+/// The result of a search.
 struct RecoveryAnswer {
   std::int64_t serial = 0;
   std::int64_t utime = 0;
   PlaceVerdict verdict = PlaceVerdict::kNotHere;
-  Pose map_from_predicted = Pose::Identity();  ///< corrects predicted poses; of the likeliest place
-  std::vector<Pose> rivals;                    ///< the same, of other places that come into question
-  /// Of the undecided ones, those that nothing contradicts, though much of what was seen is not there.
+  Pose map_from_predicted = Pose::Identity();  ///< corrects predicted poses; of the likeliest hypothesis
+  std::vector<Pose> rivals;                    ///< the same, of the other hypotheses
+  /// Those of the request's `undecided` that the map does not contradict, though it lacks much of the source
+  /// there.
   std::vector<Pose> standing;
-  /// Of the largest consensus, which need not be at the likeliest place.
+  /// Of the largest consensus, which need not be that of the likeliest hypothesis.
   int matches = 0, matches_kept = 0, consensus = 0, upper_bound = 0, runner_up_consensus = 0;
   bool certified = false;
   double voxel = 0;          ///< metres, as requested
-  double contradiction = 0;  ///< see CloudFit; of the likeliest place
-  double missing = 0;        ///< the same
-  double log_odds = 0;       ///< see CloudRegistration; of the likeliest place
-  bool little = false;       ///< most of what was seen is not there
+  double contradiction = 0;  ///< see CloudFit; of the likeliest hypothesis
+  double missing = 0;        ///< see CloudFit; of the likeliest hypothesis
+  double log_odds = 0;       ///< see CloudRegistration; of the likeliest hypothesis
+  bool little = false;       ///< less than half of the source is in the map there
   std::string reason;
-  std::string map_fault;  ///< see TrackedScan; nothing was found then
+  std::string map_fault;  ///< see TrackedScan; if not empty, nothing was found
   std::int64_t nodes = 0;
-  double search_ms = 0, total_ms = 0;  ///< CPU
-  /// Seconds of CPU that it takes about, by the points described and the matches looked at: the same on every
+  double search_ms = 0, total_ms = 0;  ///< of CPU
+  /// Estimated seconds of CPU, from the numbers of points described and matches examined: the same on every
   /// machine.
   double cost_s = 0;
 };
 
-/// Searches places by certified 4DOF registration. Deterministic: the budget counts nodes, not seconds.
-/// Remembers the last few targets, which are asked for again and again.
+/// Searches for a place by certified 4DOF registration. Deterministic: the budget counts nodes, not seconds.
+/// Remembers the last few targets, which are requested repeatedly.
 class PlaceFinder {
  public:
   PlaceFinder();
@@ -119,16 +120,17 @@ class PlaceFinder {
   PlaceFinder(PlaceFinder&&) noexcept;
   PlaceFinder& operator=(PlaceFinder&&) noexcept;
   RecoveryAnswer find(const RecoveryRequest& request);
-  /// Describes a target ahead of the searches in it, where their sources turn out dense enough for its voxel.
+  /// Describes a target ahead of the searches in it; of use to those whose source is dense enough for its
+  /// voxel.
   void prepare(const SearchTarget& target);
 
-  static constexpr std::size_t kTargets = 6;  ///< remembered, of some megabytes each
+  static constexpr std::size_t kTargets = 6;  ///< that are remembered, of some megabytes each
 
  private:
   struct Target;
-  /// What making it costs, where it is not known already, is added to `cost_s`.
+  /// The remembered target, or a new one, whose cost is then added to `cost_s`.
   Target& known(const SearchTarget& wanted, double* cost_s);
-  std::vector<std::unique_ptr<Target>> targets_;  ///< the one that was asked for last comes last
+  std::vector<std::unique_ptr<Target>> targets_;  ///< the most recently used comes last
 };
 
 }  // namespace scanlock
