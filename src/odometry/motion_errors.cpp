@@ -53,7 +53,7 @@ void MotionErrors::update(const MotionPrior& prior, const ScanAlignment& alignme
       Acceleration now, &lately = accelerations_[k];
       for (int axis = kind.first; axis <= kind.last; ++axis) {
         const int velocity = axis + 6;
-        // The noise along an axis has a part of its position and a part of its velocity.
+        // The noise along an axis acts on its position and on its velocity.
         const Eigen::Vector2d response(moved(velocity, axis), moved(velocity, velocity));
         Eigen::Matrix2d noise;
         noise << prior.noise(axis, axis), prior.noise(axis, velocity), prior.noise(velocity, axis),

@@ -30,8 +30,8 @@ class MotionErrors {
   /// allows.
   void coast(const MotionPrior& prior);
 
-  /// Removes this share (0 to 1) of the pose's variance: from now on it is an error of the map, and map and
-  /// robot have it in common.
+  /// Removes this share (0 to 1) of the pose's variance: from now on it is an error of the map, in which the
+  /// robot shares, and no longer one relative to the map.
   void leave_to_map(double share);
 
   const Matrix12& covariance() const { return covariance_; }

@@ -46,7 +46,7 @@ MotionPrior MotionFilter::predict(double dt) const {
   MotionPrior prior;
   prior.ahead_s = dt;
   Vector6 kept = Vector6::Ones();        // factor on a velocity's deviation from its mean, after dt
-  Vector6 time = Vector6::Constant(dt);  // seconds at the deviation of now that cover the same way
+  Vector6 time = Vector6::Constant(dt);  // seconds at the present deviation that cover the same distance
   for (const int axis : kSwinging) {
     kept[axis] = exp(-dt / kReturn);
     time[axis] = kReturn * (1 - kept[axis]);

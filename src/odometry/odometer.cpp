@@ -30,7 +30,8 @@ constexpr double kNearFirst = 3,
 /// the velocity are passed on to the next alignment.
 constexpr int kMostIterations = 36;
 
-/// Radians: a robot with a planar sensor turns on the spot, between two scans by more than ICP can follow.
+/// Radians, added to the predicted heading: a robot with a planar sensor may turn on the spot, between two
+/// scans by more than ICP can follow.
 constexpr double kTurns[] = {-0.2, 0.2, -0.4, 0.4, -0.6, 0.6, -0.8, 0.8};
 
 constexpr double kLeastShare = 0.3;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kFirstScans = 2;        // at the first scan the velocity is not measured yet
 constexpr int kLongestPause = 600;    // scans between two requests
-constexpr int kRarer = 20;            // (attempts^2 / kRarer) scans are added to the pause
+constexpr int kRarer = 20;            // attempts^2 / kRarer scans are added to the pause
 constexpr int kSecondLook = 1;        // scans between a request that found a place and the next one,
 constexpr int kLooksAScan = 24;       // plus one for every 24 attempts: repeated results add little evidence
 constexpr double kSourceReach = 5.6;  // of the scene's size: radius of the source
@@ -45,8 +45,8 @@ SearchTarget target_of(double scene, int steps) {
   return target;
 }
 
-/// The mean reach, metres, of the keyframes within `radius` metres of `centre`, weighted by reach squared:
-/// where keyframes reach less far there are more of them on the same area.
+/// The mean reach, metres, of the keyframes within `radius` metres of `centre`, weighted by reach squared,
+/// because keyframes of shorter reach are more numerous on the same area.
 double scene_of_part(const KeyframeArchive& archive, const Eigen::Vector3d& centre, double radius) {
   double sum = 0, weights = 0;
   for (const ArchivedKeyframe& k : archive.keyframes()) {
@@ -163,7 +163,7 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   return request;
 }
 
-/// Adds the credit since the last call; unused credit is kept for up to kWindow.
+/// Adds the credit since the last call, up to that of kWindow seconds. Returns whether any is left.
 bool PlaceSearch::has_credit(std::int64_t utime) {
   const double elapsed = 1e-6 * static_cast<double>(utime - credited_utime_);
   credited_utime_ = utime;

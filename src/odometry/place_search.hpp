@@ -11,7 +11,8 @@
 
 namespace scanlock {
 
-/// Number of scales of the searches, which take turns: places that look alike on one seldom do on another.
+/// Number of scales of the searches, which take turns: places that look alike on one scale seldom do so on
+/// another.
 inline constexpr int kSearchScales = 2;
 
 /// The order of the searches for a lost robot: around its last trusted pose, again when it has seen more,
@@ -69,7 +70,7 @@ class PlaceSearch {
   std::optional<Eigen::Vector3d> anchor_;
   std::vector<Part> others_;  ///< parts away from the anchor, in the order of the searches
   std::int64_t serial_ = 0;
-  bool out_ = false, void_ = false;  ///< a request is unanswered; its answer will be too late
+  bool out_ = false, void_ = false;  ///< a request is unanswered; its answer will be ignored
   int attempts_ = 0;                 ///< searches answered since the robot was lost
   bool elsewhere_ = false;           ///< the request is for a part away from the anchor
   bool rough_ = false;  ///< the request is for ground on which the body may take attitudes not recorded there

@@ -34,12 +34,13 @@ struct RecoveryRequest {
   /// The points seen since the robot got lost; axes of the predicted map frame, relative to `source_centre`.
   PointCloud source;
   Eigen::Vector3d source_centre = Eigen::Vector3d::Zero();
-  SearchTarget target;  ///< a sparse source is searched for with a wider voxel than this one
+  SearchTarget target;  ///< searched with a wider voxel where the source is sparse
   bool finer = false;   ///< a finer voxel may be used, if only that shows enough points of steep surfaces
   double tilt = 0;      ///< radians: error of the attitudes that the search allows for
   /// The z axis of the body, axes of the predicted map frame, unit.
   Eigen::Vector3d body_up = Eigen::Vector3d::UnitZ();
-  /// The directions that it may have at the robot's place, axes of the map, unit; empty where up is measured.
+  /// The directions that body_up may have at the robot's place, axes of the map, unit; empty where up is
+  /// measured.
   std::vector<Eigen::Vector3d> stands;
   /// The upward direction by an attitude sensor, axes of the predicted map frame: valid also on slopes on
   /// which the robot never stood.
@@ -58,8 +59,9 @@ inline constexpr double kSamePlace = 0.5, kSameHeading = 3.0 * kDegree;
 /// The axes along which places differ, as bits (see Degeneracy): x, y and yaw.
 inline constexpr std::uint32_t kOnTheGround = 0b100011;
 
-/// Number of earlier search results that have to agree before two submaps are joined; the second is for
-/// planar sensors, to which rooms often look alike, and holds there also before a hypothesis is accepted.
+/// Number of earlier search results that have to agree before two submaps are joined. The second is for
+/// planar sensors, to which rooms often look alike; there it is required also before a hypothesis is
+/// accepted.
 inline constexpr std::ptrdiff_t kAgreeing = 1, kPlanarAgreeing = 3;
 /// Largest contradiction (see CloudFit) of a search result by which submaps may be joined.
 inline constexpr double kSoundContradiction = 0.015;
@@ -75,7 +77,7 @@ inline constexpr double kInOwnMap = 3.0;
 /// The combined log odds of searches that name the same place. Searches share much of their data, so that any
 /// two are correlated by 1/2: n equal results are worth 2 n / (n + 1) of one. So the k-th, in descending
 /// order, adds 2 / (k (k + 1)) of its log odds where these are positive. Negative log odds count half; where
-/// all are negative, those nearest to zero count whole.
+/// all are negative, the number nearest to zero counts whole.
 double together(std::vector<double> log_odds);
 /// Hypotheses that are tested at once, and search results that are remembered: caps on their cost.
 inline constexpr std::size_t kMostPlaces = 5, kMostFinds = 20;

@@ -15,12 +15,13 @@
 namespace scanlock {
 namespace {
 
-constexpr double kFarGate = 2.0;      // metres: a prediction so far off needs the far reach
-constexpr double kAgreeMetres = 1.0;  // metres: finds of two searches that mean the same,
+constexpr double kFarGate = 2.0;      // metres: a prediction that may be so far off needs the far reach
+constexpr double kAgreeMetres = 1.0;  // metres: results of two searches so near each other agree
 constexpr double kAgreeRadians = 6.0 * kDegree;
-constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;  // one rival is enough there
-constexpr double kCovered = 0.3;  // of the scene's size: a keyframe so near makes the map one of a place
-constexpr double kAsNear = 1.2;   // times the distance of the archive's nearest: it shows the place no better
+// Of hypotheses within both of each other only one is tested.
+constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;
+constexpr double kCovered = 0.3;  // of the scene's size: a map with a keyframe so near shows the place
+constexpr double kAsNear = 1.2;   // of the archive's least distance: a keyframe so near shows it as well
 
 /// Metres from a place (map frame) to the nearest of the keyframes.
 template <typename Keyframes>
@@ -84,7 +85,7 @@ void Relocation::coast(double dt, Odometer& odometer) {
   follow_excursion(dt, odometer);
 }
 
-/// Where the excursion begins anew the gate widens by what may have happened unseen.
+/// Where lost-mode odometry begins anew the gate widens by the motion that may have gone unobserved.
 void Relocation::depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan,
                                   const Odometer& odometer) {
   if (excursion_ && excursion_->follow(utime, dt, scan)) return;
@@ -98,8 +99,8 @@ void Relocation::depart_or_follow(std::int64_t utime, double dt, const PreparedS
   if (!excursion_) excursion_.emplace(config_, utime, scan, odometer.state());
 }
 
-/// The state is where the robot would be, had it not been lost. It knows its way, so that the prediction does
-/// not get worse.
+/// The odometer's state becomes that of lost-mode odometry, which has measured the motion: the covariance of
+/// the prediction does not grow.
 void Relocation::follow_excursion(double dt, Odometer& odometer) const {
   MotionPrior prior = odometer.predict(0);
   prior.ahead_s = dt;
@@ -107,9 +108,10 @@ void Relocation::follow_excursion(double dt, Odometer& odometer) const {
   odometer.coast(prior);
 }
 
-/// Tries where the robot must be if it was only blinded: at the prediction or where it was last seen, in
-/// turn. What it finds farther off is left to the certificate, and what only looks like that place is
-/// believed when the search, too, knows nothing better.
+/// Local relocalisation: aligns where the robot must be if it was only blinded, alternately at the prediction
+/// and at the last trusted pose. An alignment that ends farther off is left to the certified search. Where
+/// the place may be another that looks like the expected one, it is accepted only if the search, too, finds
+/// nothing likelier.
 void Relocation::feel(std::int64_t utime, const PreparedScan& scan, Odometer& odometer, Attempt* attempt) {
   const bool better_ask = looks_alike_ && (!nothing_found_ || state_ == TrackingState::kAmbiguous);
   if (!last_seen_ || odometer.empty() || better_ask) return;
@@ -123,7 +125,8 @@ void Relocation::feel(std::int64_t utime, const PreparedScan& scan, Odometer& od
   const Pose& found = attempt->alignment.moving.pose;
   const bool there = standing ? near(found, last_seen_->map_from_body, 0.5, 5.0 * kDegree)
                               : near(found, predicted.pose, gate_m_, gate_rad_);
-  // On new ground a scan that is bent by another velocity may fit better, but the excursion knows that.
+  // On new ground a scan distorted by a wrong velocity may fit better; the gap from the measured one excludes
+  // it.
   if (!there || !explains(*attempt, kJumpScore) || squared_gap(prior, attempt->alignment.moving) > kMostGap)
     return;
   looks_alike_ =
@@ -133,7 +136,7 @@ void Relocation::feel(std::int64_t utime, const PreparedScan& scan, Odometer& od
         Candidate{Contest::expected_at(renormalised(found * predicted.pose.inverse()), 1), std::nullopt};
 }
 
-/// Whether one of the places is believed with this scan.
+/// Tests the hypotheses with this scan, and accepts one where the evidence is sufficient.
 Relocation::Outcome Relocation::confirm(const PreparedScan& scan, Odometer& odometer, Attempt* attempt) {
   const Contest::Outcome outcome = candidate_->contest.judge(odometer, scan, *excursion_);
   *attempt = candidate_->contest.attempt();
@@ -149,7 +152,7 @@ Relocation::Outcome Relocation::confirm(const PreparedScan& scan, Odometer& odom
   const bool searched = candidate_->answer.has_value();
   if (searched) {
     const double log_odds = log_odds_of(*candidate_);
-    if (log_odds < kBelieved) {  // the next search may say more
+    if (log_odds < kBelieved) {  // the next search may add evidence
       if (candidate_->contest.is_spent())
         refuse(insufficient(log_odds, "all searches and the scans that followed"));
       return Outcome::kLost;
@@ -199,7 +202,7 @@ std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, cons
   return request;
 }
 
-/// Whether a search can say more than those before it: on each scale once from each keyframe.
+/// Whether another search can add evidence: for each number of keyframes one search on each scale can.
 bool Relocation::sees_more() const {
   const std::size_t keyframes = excursion_->seen().keyframes().size();
   return std::count_if(finds_.begin(), finds_.end(),
@@ -215,7 +218,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   if (!search_.take(answer.serial, likely, answer.little, answer.cost_s) || !lost_ || !excursion_) return;
   const bool planar = excursion_->planar();
   nothing_found_ = !found || (!planar && !likely);
-  // What is likely, though not proven to be the largest consensus, is a rival of later finds.
+  // A likely result, even if not proven to be the largest consensus, is tested beside later ones.
   const bool counts = (found && !(planar && answer.little)) || (!planar && likely);
   if (counts)
     finds_.insert(finds_.begin(), {answer.map_from_predicted, answer.log_odds,
@@ -230,7 +233,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
   const Support support = support_of(answer.map_from_predicted);
   double log_odds = before() + support.log_odds;
-  // Of the few points of such a sensor the odds say little: so many finds that agree are believed.
+  // With the few points of a planar sensor log odds are unreliable: the number of agreeing results decides.
   if (planar) log_odds = (counts && support.finds > kPlanarAgreeing ? 1 : -1) * (kBelieved + kMostOfScans);
   if (log_odds + kMostOfScans < kBelieved) {
     ended_ = recovery_of(answer);
@@ -248,7 +251,7 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
       ended_->reason.insert(0, "a place that is being tried: ");
       return;
     }
-    undecided_ = tried;  // rivals of the new one
+    undecided_ = tried;  // to be tested beside the new one
     refuse("a later search finds another place: ");
   }
   std::vector<Pose> places = rivals_of(answer);
@@ -258,7 +261,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
   candidate_ = Candidate{std::move(contest), std::move(answer), log_odds};
 }
 
-/// In whatever order they came. A search from the same keyframe on the same scale says the same again.
+/// The evidence of the results that agree with this hypothesis. Of searches from the same keyframes on the
+/// same scale only the newest counts: the earlier ones rest on the same data.
 Relocation::Support Relocation::support_of(const Pose& map_from_predicted) const {
   Support support;
   std::vector<double> log_odds;
@@ -277,8 +281,8 @@ Relocation::Support Relocation::support_of(const Pose& map_from_predicted) const
   return support;
 }
 
-/// That the leader of its contest is the robot's place, by all searches and by the last scan. A rival that no
-/// search preferred has those of the one that named it.
+/// Log odds that the best hypothesis of the test is right, by all searches and by the last scan. A hypothesis
+/// that no search found likeliest has the log odds of the search that named it.
 double Relocation::log_odds_of(const Candidate& candidate) const {
   if (excursion_->planar()) return candidate.log_odds;
   const Support support = support_of(candidate.contest.map_from_predicted());
@@ -286,8 +290,9 @@ double Relocation::log_odds_of(const Candidate& candidate) const {
          candidate.contest.log_odds();
 }
 
-/// Of each place, unless the odometer's map knows all of them, so that scans decide fairly between them. What
-/// is archived is thinner than the map at hand, and not loaded for a rival that it does not show better.
+/// An odometer in a map around each hypothesis, so that scans decide fairly between them; none where the
+/// odometer's map shows all of them. Archived keyframes are thinner than the map at hand, and are not loaded
+/// for a runner-up that they do not show better.
 std::vector<std::unique_ptr<Odometer>> Relocation::maps_of(const std::vector<Pose>& places,
                                                            const KeyframeArchive& archive, double voxel,
                                                            const Odometer& odometer) const {
@@ -310,8 +315,8 @@ std::vector<std::unique_ptr<Odometer>> Relocation::maps_of(const std::vector<Pos
   return maps;
 }
 
-/// Earlier finds are rivals too, and what could not be decided before: a few matches more or less do not
-/// decide it.
+/// The hypotheses to test beside that of the answer: also earlier search results, and those that were
+/// undecided before, because a few matches more or less do not decide between them.
 std::vector<Pose> Relocation::rivals_of(const RecoveryAnswer& answer) const {
   std::vector<Pose> rivals;
   const auto add = [&](const Pose& place) {
@@ -328,7 +333,7 @@ std::vector<Pose> Relocation::rivals_of(const RecoveryAnswer& answer) const {
   return rivals;
 }
 
-/// Whether two corrections put the robot to the same place.
+/// Whether two corrections put the robot at the same place.
 bool Relocation::agree(const Pose& a, const Pose& b, double metres, double radians) const {
   const Pose& predicted = excursion_->state().pose;
   return near(a * predicted, b * predicted, metres, radians);

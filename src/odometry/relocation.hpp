@@ -19,82 +19,85 @@
 
 namespace scanlock {
 
-/// Relocalisation, from the first scan that the tracker does not trust: lost-mode odometry (Excursion), local
+/// Relocalisation, from the first scan that the tracker does not trust: lost-mode odometry, local
 /// relocalisation near the prediction and the last trusted pose, requests for global searches, and the test
-/// of the hypotheses on the scans that follow (Contest). The odometer is the tracker's: its map stays as it
-/// is, its state follows the excursion.
+/// of the hypotheses on the scans that follow. The odometer is the tracker's: its map stays as it is, its
+/// state follows lost-mode odometry.
 class Relocation {
  public:
   enum class Outcome : std::int8_t {
     kLost,
-    kFelt,   ///< where it was predicted, last seen, or said to be
-    kFound,  ///< in a place that a search proposed
+    kFelt,   ///< local relocalisation: at the prediction, the last trusted pose, or a pose that was given
+    kFound,  ///< relocalised at a hypothesis of a global search
   };
 
   explicit Relocation(const TrackerConfig& config)
       : config_(config), search_(config.search_cores, PlaceSearch::Parts::kWide) {}
 
-  /// A scan that the map does not explain, and how much of it is left unexplained (0 to 1).
+  /// Takes a scan that the map does not explain; `energy`: of its alignment (0 to 1).
   void distrust(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer,
                 double energy);
-  /// Lost at the odometer's state, after it was `last_seen`; nobody knows where, in a map that was loaded.
-  /// `looks_alike`: a scan fits there, but it is another place.
+  /// The robot is lost at the odometer's state. `last_seen`: the last trusted scan; nullopt in a map that was
+  /// loaded, where the pose is not known. `looks_alike`: a scan fits there, but the robot may be at another
+  /// place that looks like the expected one.
   void begin(const Odometer& odometer, const std::optional<Sighting>& last_seen, bool looks_alike,
              const KeyframeArchive& archive);
-  /// Scans are explained again, or there is another map: what was seen since is of no use any more.
+  /// Scans are explained again, or the map is another: discards what was seen since the robot was lost.
   void end();
 
-  /// One scan of a lost robot, `dt` seconds after the last. `attempt`: the one that the outcome rests on.
-  /// Where none is followed yet the odometer's state is the prediction for this scan.
+  /// Processes one scan of a lost robot, `dt` seconds after the last. `attempt`: receives the alignment that
+  /// the outcome rests on. Where lost-mode odometry has not begun, the odometer's state has to be the
+  /// prediction for this scan.
   Outcome follow(std::int64_t utime, double dt, const PreparedScan& scan, Odometer& odometer,
                  Attempt* attempt);
-  /// The same for a scan without points; only while an excursion is followed.
+  /// The same for a scan without points; only where has_excursion().
   void coast(double dt, Odometer& odometer);
-  /// Which way is up, by an attitude sensor, for the scan that was followed last.
+  /// The upward direction by an attitude sensor, for the scan that was followed last; body axes, unit.
   void note_up(const Eigen::Vector3d& up_in_body) { excursion_->note_up(up_in_body); }
 
-  /// The next search, when there is reason for one and none is out. `up`: in the map frame, where that was
-  /// measured.
+  /// The next search, when one is due and none is unanswered. `up`: upward direction in the map frame, where
+  /// it was measured.
   std::optional<RecoveryRequest> take_request(std::int64_t utime, const KeyframeArchive& archive,
                                               const std::optional<Eigen::Vector3d>& up);
-  /// `voxel` metres: of the map, where another part of it is loaded.
+  /// Takes the answer to a request. `voxel`: metres, of the maps that are loaded around hypotheses.
   void give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel, const Odometer& odometer);
-  /// Somebody says that the odometer's state is right: to be tried on the scans that follow.
+  /// The odometer's state becomes a hypothesis, as a user gave it, to be tested on the scans that follow.
   void propose_here();
 
   bool lost() const { return lost_; }
-  /// Whether the odometer's map does not show the place that was found.
+  /// Whether the accepted hypothesis is at a place that the odometer's map does not show.
   bool is_elsewhere() const { return elsewhere_; }
   bool has_excursion() const { return excursion_.has_value(); }
   /// kRecovering, kAmbiguous or kLost.
   TrackingState state() const { return state_; }
-  /// Whether the robot sees, and has found no place for so long that it goes on in what it has seen since. In
-  /// a map that was loaded only after it has moved: until then it is searched for from where it stands.
+  /// Whether scans have fitted each other for new_map_after_s without a hypothesis under test, so that the
+  /// robot goes on in the map of lost-mode odometry. In a map that was loaded only after it has moved: until
+  /// then it is searched for from where it stands.
   bool gives_up() const;
-  /// Only where it has one.
+  /// Only where has_excursion().
   const Excursion& excursion() const { return *excursion_; }
   Excursion& excursion() { return *excursion_; }
-  /// An attempt that came to its end since the last call.
+  /// The attempt at relocalisation that ended since the last call, if any.
   std::optional<Recovery> take_ended() { return std::exchange(ended_, std::nullopt); }
 
  private:
-  /// Where the robot may be: to be confirmed by the scans that follow.
+  /// Hypotheses that are being tested on the scans that follow.
   struct Candidate {
     Contest contest;
-    std::optional<RecoveryAnswer> answer;  ///< of the search; none: felt, or said
-    double log_odds = 0;                   ///< of that search, and of those before it
+    std::optional<RecoveryAnswer> answer;  ///< of the search; none for local relocalisation and a given pose
+    double log_odds = 0;                   ///< by that search and those before it
   };
-  /// What a search found likeliest.
+  /// The likeliest hypothesis of a search.
   struct Find {
     Pose map_from_predicted;
     double log_odds;
-    std::size_t keyframes;  ///< that the excursion had by then
+    std::size_t keyframes;  ///< that lost-mode odometry had by then
     double voxel;           ///< metres: the search's scale
   };
-  /// What all searches say for a place.
+  /// The evidence of all searches for a place.
   struct Support {
     double log_odds = 0;
-    int finds = 0;  ///< that name it
+    int finds = 0;  ///< number of search results that name it
   };
   void depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer);
   void feel(std::int64_t utime, const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
@@ -107,7 +110,7 @@ class Relocation {
   Support support_of(const Pose& map_from_predicted) const;
   double log_odds_of(const Candidate& candidate) const;
   bool sees_more() const;
-  /// Log odds before any search: a map that was loaded need not show the place at all.
+  /// Log odds before any search: kInOwnMap, or 0 in a map that was loaded, which need not show the place.
   double before() const { return last_seen_ ? kInOwnMap : 0; }
   std::vector<Pose> rivals_of(const RecoveryAnswer& answer) const;
   bool agree(const Pose& a, const Pose& b, double metres, double radians) const;
@@ -117,16 +120,16 @@ class Relocation {
   bool lost_ = false;
   TrackingState state_ = TrackingState::kRecovering;
   std::optional<Sighting> last_seen_;
-  bool looks_alike_ = false;    ///< what is where it is expected
-  bool nothing_found_ = false;  ///< that is likely, by the last search
-  int scans_ = 0;               ///< since it was lost
+  bool looks_alike_ = false;    ///< the robot may be at another place that looks like the expected one
+  bool nothing_found_ = false;  ///< the last search found no likely place
+  int scans_ = 0;               ///< since the robot was lost
   std::optional<Excursion> excursion_;
-  double gate_m_ = 0, gate_rad_ = 0;  ///< how far the prediction may be off where the excursion began
+  double gate_m_ = 0, gate_rad_ = 0;  ///< how far the prediction may be off where lost-mode odometry began
   double energy_before_ = 1;
   std::optional<Candidate> candidate_;
   bool elsewhere_ = false;
-  std::vector<Find> finds_;      ///< of this excursion's searches, the newest first
-  std::vector<Pose> undecided_;  ///< places that fitted its scans alike
+  std::vector<Find> finds_;      ///< of the searches since lost-mode odometry began, the newest first
+  std::vector<Pose> undecided_;  ///< hypotheses that its scans fitted equally well
   PlaceSearch search_;
   std::optional<Recovery> ended_;
 };

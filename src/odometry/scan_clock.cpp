@@ -9,14 +9,14 @@
 namespace scanlock {
 namespace {
 
-constexpr double kLongestPeriod = 60;   // seconds, before a period is known
+constexpr double kLongestPeriod = 60;   // seconds that a stamp may be ahead before a period is known
 constexpr double kPeriodsAhead = 10;    // a sensor of a long period may well miss a few scans
-constexpr double kLate = 1.0;           // seconds: a scan that something held up on its way
-constexpr int kScansOfAStep = 3;        // in a row
-constexpr int kScansOfAnotherOne = 10;  // between those of the clock, make another publisher
+constexpr double kLate = 1.0;           // seconds by which a scan may be delayed on its way
+constexpr int kScansOfAStep = 3;        // rejected in a row
+constexpr int kScansOfAnotherOne = 10;  // rejected, with accepted ones in between: another publisher
 
-/// Seconds from b to a. In doubles: hostile stamps may lie farther apart than an int64 holds, and near ones
-/// are exact.
+/// Seconds from b to a. The difference of hostile stamps may exceed an int64, so that it is computed in
+/// doubles; that of near ones is exact.
 double difference_s(std::int64_t a, std::int64_t b) {
   const double far = static_cast<double>(a) - static_cast<double>(b);
   return std::abs(far) > 1e15 ? 1e-6 * far : 1e-6 * static_cast<double>(a - b);
@@ -35,9 +35,9 @@ double ScanClock::period_quantile_s(double share) const {
   return known > 0 ? sorted[static_cast<std::size_t>(share * known)] : 0.0;
 }
 
-/// No sensor takes scans in a quarter of its period: stamps so near each other were not taken by it but when
-/// some process got to it, and say when scans came on average only. (Longer intervals are scans that were
-/// lost.)
+/// No sensor takes two scans within a quarter of its period: stamps so near each other were set by a process
+/// when it got to the scan, and give the times of scans only on average. (Longer intervals are scans that
+/// were lost.)
 bool ScanClock::irregular() const {
   if (periods_noted_ < kPeriods) return false;
   const double shortest = 0.25 * period_quantile_s(0.75);
@@ -66,9 +66,8 @@ void ScanClock::extend(Chain& chain, const Scan& scan) const {
   ++chain.scans;
 }
 
-/// Scans come in the order in which they were taken, however late some process stamped each of them. What is
-/// stamped before its predecessor by no more than scans may be held up is the next scan of an irregular
-/// clock.
+/// Scans arrive in the order in which they were taken, however late a process stamped each of them. A scan
+/// stamped before its predecessor by no more than kLate is the next scan of an irregular clock.
 bool ScanClock::is_late(const Scan& scan) const {
   const double behind = difference_s(clock_.last, scan.utime);
   return clock_.by_arrival == scan.stamped_by_arrival && behind > 0 && behind <= kLate && irregular();
@@ -103,7 +102,7 @@ ScanClock::Reading ScanClock::step() {
   const double seen = difference_s(rejected_.last, rejected_.first);
   const double period = periods_noted_ > 0 ? period_s() : seen / (kScansOfAStep - 1);
   reading.elapsed_s = irregular() ? kScansOfAStep * mean_period_s() : seen + period;
-  // Irregular stamps step without any cause.
+  // Irregular stamps jump without any step of the clock.
   reading.most_elapsed_s = irregular() ? reading.elapsed_s : std::max(reading.elapsed_s, kLongestGap);
   clock_ = rejected_;
   last_taken_ = clock_.last;

@@ -9,14 +9,15 @@
 
 namespace scanlock {
 
-/// A stamp farther ahead than this, or than ten periods of the sensor, is of another clock until others agree
-/// with it. Also the bound of a gap of unknown length, for what happened in a longer one is not predicted.
+/// A stamp that is ahead by more than this, and by more than ten periods of the sensor, is of another clock
+/// until further stamps agree with it. Also the bound of a gap of unknown length: the motion in a longer one
+/// is not predicted.
 inline constexpr double kLongestGap = 3.0;  // seconds
 
-/// Whether stamps of scans come from one clock, and how much time passed between two of them. A stamp that
-/// disagrees with its neighbours is rejected; three in a row that agree with each other on another clock are
-/// a step of the clock. Stamps that are those of a process and not of the sensor are taken in the order in
-/// which they arrive. By the stamps alone, so that a replay comes to what the robot came to.
+/// Decides whether the stamps of scans come from one clock, and how much time passed between two of them. A
+/// stamp that disagrees with its neighbours is rejected; three rejected ones in a row that agree with each
+/// other are a step of the clock. Stamps by a process and not by the sensor are taken in the order of their
+/// arrival. The decisions depend on the stamps alone, so that a replay repeats those of the robot.
 class ScanClock {
  public:
   enum class Verdict : std::int8_t {
@@ -24,16 +25,16 @@ class ScanClock {
     kStepped,     ///< the third in a row of another clock, which is the clock from now on
     kDuplicate,   ///< the stamp of the last scan: rejected, as are the two below
     kBackward,    ///< up to a second earlier than the last scan, by a clock that is regular
-    kOtherClock,  ///< farther off, or stamped in another way
+    kOtherClock,  ///< farther off, or stamped by another source (Scan::stamped_by_arrival)
   };
   struct Reading {
     Verdict verdict = Verdict::kContinues;
-    /// Seconds since the last scan that was taken; after a step a guess, from how many scans came since.
+    /// Seconds since the last accepted scan; after a step an estimate, from the rejected scans.
     double elapsed_s = 0;
-    /// At most so many seconds: more than elapsed_s after a step.
+    /// Upper bound of the seconds; may exceed elapsed_s after a step, or where the clock is irregular.
     double most_elapsed_s = 0;
-    std::int64_t last_utime = 0;  ///< of the last scan that was taken
-    /// The stamps rejected lately advance as a clock of their own, between those that are taken.
+    std::int64_t last_utime = 0;  ///< stamp of the last accepted scan, microseconds
+    /// The stamps rejected lately advance like a second clock, in between accepted ones.
     bool interleaved = false;
   };
 
@@ -43,7 +44,7 @@ class ScanClock {
   double period_s() const;
 
  private:
-  /// Stamps that advance as a clock does.
+  /// A sequence of stamps that advances like one clock.
   struct Chain {
     std::int64_t first = 0, last = 0;  ///< microseconds
     bool by_arrival = false;
@@ -60,12 +61,12 @@ class ScanClock {
   void note_period(double seconds);
 
   static constexpr int kPeriods = 31, kTooShort = 3;
-  std::array<double, kPeriods> periods_{};  ///< the last ones between two scans that were taken, a ring
+  std::array<double, kPeriods> periods_{};  ///< seconds between the last accepted scans, a ring buffer
   int periods_noted_ = 0;
-  Chain clock_;                  ///< of the scans that are taken; its last is the newest stamp
+  Chain clock_;                  ///< of the accepted scans; its last is the newest stamp
   Chain rejected_;               ///< of the scans rejected in a row
-  std::int64_t last_taken_ = 0;  ///< stamp of the last scan that was taken, microseconds
-  Chain other_;                  ///< of the scans rejected, with others taken in between
+  std::int64_t last_taken_ = 0;  ///< stamp of the last accepted scan, microseconds
+  Chain other_;                  ///< of the rejected scans, also with accepted ones in between
 };
 
 }  // namespace scanlock

@@ -15,16 +15,16 @@
 namespace scanlock {
 namespace {
 
-/// The source is thinned to this many map voxels: the coarsest that still leaves enough points. Coarse is
-/// good where there are many, for it weighs the far and sparse, which fix the rotation, like the near and
-/// dense.
+/// The source is thinned to this many map voxels: to the most that still leave enough points. Wide ones are
+/// better where points are many: the far and sparse points, which fix the rotation, then weigh as much as the
+/// near and dense ones.
 constexpr float kSourceVoxels[] = {2.0f, 1.41f, 1.0f};
 
 constexpr double kVoxelPerRange = 0.045;     // the first guess, before a count is known
 constexpr double kStep = 1.189207115002721;  // 2^(1/4)
 constexpr double kPointsPerVoxel = 3.0, kPlanarPointsPerVoxel = 1.2;
 constexpr double kBand = 1.3;
-constexpr std::size_t kRays = 8192;  // about
+constexpr std::size_t kRays = 8192;  // about so many
 constexpr int kSettlingRounds = 16;
 
 PointCloud every_so_many(const PointCloud& points, const std::vector<std::uint32_t>& indices) {
@@ -70,7 +70,7 @@ class RangeHistogram {
 bool is_planar(const PointCloud& points) {
   constexpr float kFlat = 1e-3f;  // of the range
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (std::abs(points.z[i]) > kFlat * points.point(i).norm()) return false;  // never of NaN
+    if (std::abs(points.z[i]) > kFlat * points.point(i).norm()) return false;  // not for NaN
   }
   return true;
 }
@@ -127,13 +127,13 @@ double VoxelScale::current(double median_range) {
 
 bool VoxelScale::adapt(std::size_t thinned, std::size_t cropped, bool planar) {
   if (voxel_ == 0 || cropped < kLeastPoints) return false;
-  // A voxel smaller than a few points of a scan is no thinning, and its surfaces are made of noise. A line
-  // needs fewer.
+  // Voxels of less than a few points of a scan do not thin it, and surfaces are then made of noise. A line
+  // needs fewer points.
   const double share = planar ? kPlanarPointsPerVoxel : kPointsPerVoxel;
   const double wanted = std::min(wanted_, static_cast<double>(cropped) / share);
   const double count = static_cast<double>(thinned), before = voxel_;
-  // Counts go like 1/v^2 on surfaces, so by 1.41 a step; the band from one edge to the other is wider than
-  // that.
+  // On surfaces counts are proportional to 1/v^2, so that a step changes them by 1.41; the band of counts
+  // without a step is wider.
   if (count > kBand * wanted) voxel_ *= kStep;
   if (count * kBand < wanted) voxel_ /= kStep;
   voxel_ = std::clamp(voxel_, min_voxel_, max_voxel_);

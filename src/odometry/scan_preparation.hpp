@@ -10,7 +10,7 @@
 
 namespace scanlock {
 
-/// Fewer points do not determine six degrees of freedom among outliers.
+/// With fewer points, some of which are outliers, six degrees of freedom are not determined.
 inline constexpr std::size_t kLeastPoints = 30;
 
 /// Whether all points lie in the plane of x and y; those that are not finite do not count.
@@ -24,9 +24,9 @@ struct CroppedScan {
 };
 CroppedScan crop(const PointCloud& points, double min_range, double max_range);
 
-/// The voxel size of the map: that to which a scan is thinned to about `wanted` points, in steps of sqrt(2)
-/// and with hysteresis, so that it changes seldom. It follows the size of the scene and the density of the
-/// sensor, so that the work on a scan is about constant.
+/// The voxel size of the map: that which thins a scan to about `wanted` points, in steps of 2^(1/4) and with
+/// hysteresis, so that it changes seldom. It follows the size of the scene and the density of the sensor, so
+/// that the work on a scan is about constant.
 class VoxelScale {
  public:
   /// Sizes in metres.
@@ -44,18 +44,19 @@ class VoxelScale {
 
 /// A scan thinned for odometry; body frame, times kept.
 struct PreparedScan {
-  PointCloud fine;          ///< one point a map voxel: becomes the keyframe
-  PointCloud source;        ///< a coarser part of it: is aligned
-  PointCloud rays;          ///< some of all its points, as densely in every direction as the sensor looks
-  double voxel = 0;         ///< metres, of `fine`
+  PointCloud fine;    ///< one point per map voxel: becomes the keyframe
+  PointCloud source;  ///< a coarser part of it, which is aligned
+  PointCloud rays;    ///< every n-th of the cropped points, so as dense by direction as the sensor's beams
+  double voxel = 0;   ///< metres, of `fine`
   double median_range = 0;  ///< metres
-  std::size_t whole = 0;    ///< points of the source, or of the whole source that this is a part of
-  bool planar = false;      ///< all its points lie in the plane of x and y: that is all the sensor sees
+  std::size_t whole = 0;    ///< number of points of the source, before part_of() took a part of it
+  bool planar = false;      ///< all points lie in the plane of x and y, which is all that the sensor sees
 };
 /// The reason why fewer than kLeastPoints of a scan are left, in words; ranges in metres.
 std::string why_too_few(const PointCloud& points, const CroppedScan& cropped, double min_range,
                         double max_range);
 
+/// Thins a cropped scan. `first`: the voxel size is adapted until it settles on this scan.
 PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, VoxelScale* scale, bool first,
                        int max_source_points);
 

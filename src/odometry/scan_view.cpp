@@ -13,16 +13,16 @@ namespace scanlock {
 namespace {
 
 constexpr int kColumns = 180, kRows = 90;
-// Nearer or farther by less than this is the same surface.
+// Ranges that differ by less than the sum of both are of the same surface.
 constexpr float kTolerance = 0.1f;  // of the range
-constexpr float kMargin = 0.2f;     // metres, besides
+constexpr float kMargin = 0.2f;     // metres
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 std::size_t cell(int row, int column) {
   return static_cast<std::size_t>(row * kColumns + column);
 }
 
-/// The cell that a direction is in; none for the origin.
+/// The cell of a direction; `p` must not be the origin.
 std::size_t cell_of(const Eigen::Vector3f& p, float range) {
   constexpr auto kHalfTurn = static_cast<float>(kPi);
   const float turn = atan2(p.y(), p.x()) / kHalfTurn;                                    // -1 to 1
@@ -65,7 +65,8 @@ ScanView::ScanView(const PointCloud& points) {
     const int below = std::max(row - 1, 0), above = std::min(row + 1, kRows - 1);
     for (int column = 0; column < kColumns; ++column) {
       const std::size_t here = cell(row, column);
-      // Between two rings of points nothing was looked at, but what is seen above and below is seen there.
+      // Between two rings of points there are no beams: a cell with returns above and below takes their
+      // ranges.
       const bool between = seen[cell(below, column)].known() && seen[cell(above, column)].known();
       if (!seen[here].known() && !between) continue;
       for (int r : {below, row, above}) extend(reach_[here], wide[cell(r, column)]);

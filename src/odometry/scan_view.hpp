@@ -10,8 +10,8 @@
 
 namespace scanlock {
 
-/// Range image of a scan: the smallest and the largest range in each cell of two degrees and the eight around
-/// it.
+/// Range image of a scan: the smallest and the largest range in each cell of two degrees and its eight
+/// neighbours.
 class ScanView {
  public:
   ScanView() = default;
@@ -19,8 +19,9 @@ class ScanView {
   explicit ScanView(const PointCloud& points);
 
   /// The share of the points of another scan (in its frame) that this range image contradicts: its rays pass
-  /// through them, or the surface that hides them here is in free space of the other range image. Points that
-  /// an edge hides or uncovers, and directions that one of the two did not see, contradict nothing.
+  /// through the point, or it sees a surface in front of the point that lies in free space of the other range
+  /// image. Points that an edge hides or uncovers, and directions without a return in one of the two, are not
+  /// counted as contradicted.
   double contradicted_share(const PointCloud& points, const Pose& here_from_there,
                             const ScanView& there) const;
 
@@ -31,7 +32,7 @@ class ScanView {
   };
   bool looks_through(const Eigen::Vector3f& p) const;
 
-  std::vector<Reach> reach_;  ///< by rows of one elevation; empty: has seen nothing
+  std::vector<Reach> reach_;  ///< in rows of equal elevation; empty without points
 };
 
 }  // namespace scanlock

@@ -24,7 +24,7 @@ Sighting sighting(std::int64_t utime, const PreparedScan& scan, const MovingPose
   return result;
 }
 
-/// Motion bends both scans, and the same motion both alike: only its change is taken out.
+/// Motion distorts both scans, and the same velocity distorts both alike: only its change is compensated.
 double contradiction(const Sighting& before, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& now) {
   if (before.rays.empty() || scan.rays.empty() || utime - before.utime > kComparable) return 0;

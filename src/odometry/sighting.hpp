@@ -10,7 +10,7 @@
 
 namespace scanlock {
 
-/// A trusted pose of the body, its time, and the scan there.
+/// A trusted pose of the body, its time, and the scan taken there.
 struct Sighting {
   Pose map_from_body = Pose::Identity();
   std::int64_t utime = 0;           ///< microseconds
@@ -22,7 +22,7 @@ struct Sighting {
 Sighting sighting(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving);
 
 /// Contradiction of two scans in a row at their poses, without a map: the larger of the two shares of points
-/// of the one scan that the range image of the other contradicts (0 to 1). Some hundredths in streets with
+/// of one scan that the range image of the other contradicts (0 to 1). A few hundredths in streets with
 /// traffic, through doors and in shakes, more while a lorry passes close by, and 0.15 and more at another
 /// place that looks the same. 0 after more than four seconds, in which too much may have changed, and for
 /// planar sensors, which have too few points.

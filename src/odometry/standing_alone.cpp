@@ -9,12 +9,12 @@
 namespace scanlock {
 namespace {
 
-constexpr float kSteepest = 0.5f;  // tangent of an elevation: what is higher is not compared
-// Cells: finer than the beams of a sensor are apart, and as fine as its steps are in azimuth.
+constexpr float kSteepest = 0.5f;  // tangent of an elevation: steeper points are not compared
+// Cells: in elevation finer than the beams of a sensor are apart, in azimuth as fine as its steps.
 constexpr int kImageRows = 192, kImageColumns = 1536;
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 constexpr float kTurn = 6.2831853f;
-constexpr int kWidestStep = 12;  // cells (2.8 degrees): no sensor looks so seldom
+constexpr int kWidestStep = 12;  // cells (2.8 degrees): no sensor has a wider step in azimuth
 
 /// The nearest range in each direction.
 class RangeImage {
@@ -34,18 +34,18 @@ class RangeImage {
     float range;  ///< horizontal, metres
   };
 
-  /// `row` is negative where it is too steep.
+  /// `row` is negative where the elevation is too steep.
   static Direction direction(float x, float y, float z) {
     const float range = std::sqrt(x * x + y * y), slope = z / range;
     if (!(std::abs(slope) < kSteepest)) return {-1, 0, range};
-    // Grows with the azimuth, from 0 to 4, and nearly evenly.
+    // Grows with the azimuth, from 0 to 4, nearly in proportion to it.
     const float along = std::abs(x) + std::abs(y);
     const float turn = y >= 0 ? 1 - x / along : 3 + x / along;
     return {std::min(static_cast<int>((slope + kSteepest) * (kImageRows / (2 * kSteepest))), kImageRows - 1),
             std::min(static_cast<int>(turn * (kImageColumns / 4)), kImageColumns - 1), range};
   }
 
-  /// The nearest range `cells` beside a direction; kNothing where nothing is seen.
+  /// The nearest range `cells` beside a direction; kNothing where there is no return.
   float beside(const Direction& d, int cells) const {
     const int column = (d.column + cells + kImageColumns) % kImageColumns;
     float nearest = kNothing;
@@ -62,19 +62,20 @@ class RangeImage {
   std::vector<float> nearest_;
 };
 
-/// Cells from a point to the next one that is seen beside it: the step of the sensor.
+/// Cells from a point to the next return beside it: the step of the sensor in azimuth.
 int step_beside(const RangeImage& image, const RangeImage::Direction& d) {
   int step = 1;
   while (step <= kWidestStep && image.beside(d, step) == kNothing) ++step;
   return step;
 }
 
-/// `empty_is_free`: nothing seen in kWidestStep cells means that nothing is there.
+/// Whether ranges become larger, or returns end, within `reach` metres on that side of a direction.
+/// `empty_is_free`: kWidestStep cells without a return mean free space.
 bool is_free(const RangeImage& image, const RangeImage::Direction& d, int side, float reach,
              bool empty_is_free) {
   const float cell = kTurn / kImageColumns * d.range;  // metres, about
-  if (reach > kImageColumns / 4 * cell) return false;  // so near, nothing is aside
-  // Most are told by what is just beyond reach.
+  if (reach > kImageColumns / 4 * cell) return false;  // so near the sensor, `reach` is over a quarter turn
+  // Most points that are not isolated are recognised by the range just beyond `reach`.
   if (image.beside(d, side * (static_cast<int>(reach / cell) + 1)) < d.range + reach) return false;
   float last = d.range;
   for (int at = 1, empty = 0; empty < kWidestStep; ++at) {

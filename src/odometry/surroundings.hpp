@@ -9,7 +9,7 @@
 
 namespace scanlock {
 
-/// The input of a search for the robot's pose: the map of what it has seen lately, and its pose there.
+/// The input of a search for the robot's pose: the map made from recent scans, and the robot's pose in it.
 struct Surroundings {
   const LocalMap& map;
   Pose map_from_body = Pose::Identity();

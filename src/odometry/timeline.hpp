@@ -9,33 +9,33 @@
 
 namespace scanlock {
 
-/// The time of a tracker, which never goes back. It decides two things of each scan, by the stamps alone:
+/// The time of a tracker, which never goes back. It decides about each scan, by the stamps alone:
 /// - whether it is the next scan of the sensor's clock (ScanClock); any other is rejected;
-/// - its time, now(). The first scan has its stamp, every further one the time of the scan before it plus the
-///   seconds that have passed: the difference of the stamps. Where the clock steps, or is irregular, that is
-///   not known, and most_elapsed_s() is added. So the time equals the stamp until then, and afterwards
-///   intervals, not instants, are those of the sensor.
+/// - its time, now(). The first scan has its stamp as its time, every further one the time of the scan
+///   before it plus the difference of their stamps. Where the clock steps, or is irregular, the difference
+///   is not known, and most_elapsed_s() is added. Until then times are equal to the stamps; afterwards only
+///   their intervals are those of the sensor.
 class Timeline {
  public:
-  /// False for a rejected scan: times stay as they are, and `tracked` says why. `tracked` also tells of a
-  /// step.
+  /// False for a rejected scan: times stay as they are, and `tracked` gets the verdict and the reason. A step
+  /// of the clock is noted in `tracked`, too.
   bool take(const Scan& scan, TrackedScan* tracked);
 
-  /// Of the last scan that was taken, microseconds.
+  /// Time of the last accepted scan, microseconds.
   std::int64_t now() const { return now_; }
-  /// The same as its sensor stamped it.
+  /// The stamp of the same scan, microseconds.
   std::int64_t stamp() const { return stamp_; }
   /// Seconds from a time of this timeline to now().
   double since_s(std::int64_t time) const { return 1e-6 * static_cast<double>(now_ - time); }
-  /// Seconds between the last two scans that were taken, 0 before there were two: the likeliest number, and
-  /// an upper bound, which is larger where the clock stepped or is irregular.
+  /// Seconds between the last two accepted scans, 0 before there were two: the likeliest number, and an upper
+  /// bound, which may be larger where the clock stepped or is irregular.
   double elapsed_s() const { return elapsed_s_; }
   double most_elapsed_s() const { return most_elapsed_s_; }
-  /// Seconds between two scans of this sensor, as a rule (see ScanClock).
+  /// The usual seconds between two scans of this sensor (see ScanClock).
   double period_s() const { return clock_.period_s(); }
 
-  /// Before any scan: all times are an hour later than `time`, of an earlier run, or more, whatever the clock
-  /// of either run said.
+  /// To be called before any scan: all times will be at least an hour later than `time`, the last one of an
+  /// earlier run, whatever the clocks of the two runs show. Microseconds.
   void start_after(std::int64_t time);
 
  private:

@@ -15,13 +15,13 @@ namespace scanlock {
 enum class TrackingState : std::int8_t {
   kInitialising = 0,  ///< no map yet
   kTracking = 1,      ///< aligned with the map
-  /// Aligned, but less certain than TRACKING promises (of a hundred poses 99 within 0.05 m and 1 degree,
-  /// against the map around the robot; `degenerate_axes` says along which axes not), or data is missing:
-  /// scans, or most of what a scan shows in the map.
+  /// Aligned, but less certain than TRACKING promises (99 of 100 poses are within 0.05 m and 1 degree,
+  /// relative to the map around the robot; `degenerate_axes` are the axes along which this does not hold), or
+  /// data is missing: scans, or inliers, which are fewer than 0.4 of the points of a scan.
   kDegraded = 2,
   kRecovering = 3,  ///< the energy jumped: a global search runs, the pose is predicted
-  kAmbiguous = 4,   ///< two places explain the scan equally well; no jump was made
-  kLost = 5,        ///< no certified place; the pose is predicted, the map is frozen
+  kAmbiguous = 4,   ///< two hypotheses explain the scan equally well; no jump was made
+  kLost = 5,        ///< no certified hypothesis; the pose is predicted, the map is frozen
 };
 const char* to_string(TrackingState state);
 
@@ -56,11 +56,11 @@ struct Recovery {
   bool accepted = false;
   bool loop_closure = false;                   ///< a correction of the map, without a search
   std::string reason;                          ///< why, in words
-  std::uint32_t epoch = 0;                     ///< that an acceptance begins
+  std::uint32_t epoch = 0;                     ///< of the scan it is reported with; an acceptance begins it
   Pose map_from_body = Pose::Identity();       ///< at the scan it is reported with
   Pose map_from_predicted = Pose::Identity();  ///< correction of the poses before
   double energy_before = 1;                    ///< of the scan that was lost, 0 to 1
-  double energy_after = 1;                     ///< at the place found, after refinement
+  double energy_after = 1;                     ///< at the hypothesis, after refinement
 };
 
 /// The result of one scan. Frames: `map` is the pose of the first scan; `body` is the sensor at the stamp.
@@ -79,10 +79,10 @@ struct TrackedScan {
       Matrix6::Zero();  ///< of the pose, right perturbation: T exp(xi), order [u; phi], in the body frame
   std::uint32_t degenerate_axes = 0;  ///< bit 0..2: x y z translation, 3..5: rotation about x y z (body axes)
   std::uint32_t epoch = 0;            ///< counts the jumps of the map frame
-  bool localised = true;  ///< false: a map was loaded, and the robot has not been found in it so far
-  /// The clock of the scans stepped: the stamp of the last scan by the old one, microseconds.
+  bool localised = true;  ///< false: a map was loaded, and the robot has not been localised in it so far
+  /// Set where the clock of the scans stepped: the stamp of the last scan by the old clock, microseconds.
   std::optional<std::int64_t> clock_step_from;
-  bool interleaved = false;    ///< the scans rejected lately have stamps of one other clock: two publishers
+  bool interleaved = false;    ///< the scans rejected lately are stamped by one other clock: two publishers
   int iterations = 0;          ///< of the alignment
   int points_in = 0;           ///< points of the scan as it came
   int points_used = 0;         ///< source points of the alignment
@@ -95,8 +95,8 @@ struct TrackedScan {
   int loop_closures = 0;               ///< accepted so far
   std::optional<std::uint32_t> stamp;  ///< see PoseHistory; none where no history is kept
   std::optional<Recovery> recovery;    ///< the attempt that ended with this scan
-  /// Stored points of the map could not be read (see PointsUnreadable), in words; empty where all could. The
-  /// map stays as it is, without what they were wanted for.
+  /// Why stored points of the map could not be read (see PointsUnreadable); empty where all could. The map
+  /// then stays as it is, without them.
   std::string map_fault;
 };
 

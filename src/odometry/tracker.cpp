@@ -24,9 +24,9 @@ namespace {
 constexpr std::uint32_t kOutOfPlane = 0b011100;  // z, roll, pitch: see Degeneracy
 constexpr std::uint32_t kHorizontal = 0b000011;  // x, y
 
-constexpr double kDegradedShare = 0.4;  // of the points of a scan: with fewer inliers it is DEGRADED
-constexpr int kAttitudes = 100;         // that the upward direction is averaged over
-constexpr double kCovered = 0.5;        // least ratio of the points of the first two scans
+constexpr double kDegradedShare = 0.4;  // inlier ratio: with a lower one a scan is DEGRADED
+constexpr int kAttitudes = 100;         // over which the upward direction is averaged
+constexpr double kCovered = 0.5;        // least ratio of the numbers of points of the first two scans
 constexpr int kFalseStarts = 3;         // scans that do not fit the first one, which is then replaced
 
 Eigen::Vector3d up_in_body(const ScanPrior& hints) {
@@ -42,30 +42,30 @@ struct Tracker::State {
   VoxelScale scale;
   std::unique_ptr<Odometer> odometer;
   KeyframeArchive archive;
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  // in the own frame
-  int attitudes = 0;                              // that `up` is the mean of
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  // upward direction, own frame
+  int attitudes = 0;                              // number of which `up` is the mean
 
   TrackingState state = TrackingState::kInitialising;
   std::uint32_t epoch = 0;
-  double moved_away = 0;     // metres along -x that earlier submaps were moved when the last one began
-  std::uint32_t submap = 0;  // that the robot is in, counted from 0
+  double moved_away = 0;     // metres along -x by which earlier submaps were moved when the last one began
+  std::uint32_t submap = 0;  // index of the active submap, from 0
   Timeline time;
-  bool begun = false;  // with a scan that has enough points
+  bool begun = false;  // a scan with enough points came in
   // All poses of the state are in the own frame, that of the first scan, so that the result does not depend
   // on the origin and heading of the map's frame. Inputs and outputs are transformed.
   Pose map_from_own = Pose::Identity();
   Pose local_from_own = Pose::Identity();
-  bool jumped = false;           // the pose in the own frame, since the last keyframe was archived
-  std::int64_t reloaded_at = 0;  // the local map became archived keyframes; microseconds
+  bool jumped = false;           // the pose in the own frame jumped since the last keyframe was archived
+  std::int64_t reloaded_at = 0;  // when the local map was reloaded from the archive; microseconds
 
   AlignmentCheck check;
-  // At the last trusted scan its position was not known along some axis, as in a tunnel: once it is lost
-  // there is no place to come back to. Where only the heading was unknown, behind a cover, there is.
+  // At the last trusted scan the position along x or y was not known, as in a tunnel: a robot that is then
+  // lost cannot be relocalised at one place. Where only the heading was unknown, behind a cover, it can.
   bool open = false;
-  // When the active submap began so: until it is joined its poses are as uncertain as the place was. After
-  // new_map_after_s they are those of a new epoch.
+  // When the active submap began with an open position: until it is joined its poses are as uncertain as that
+  // position was. After new_map_after_s they are those of a new epoch.
   std::optional<std::int64_t> loose_since;
-  std::string map_fault;  // to be told with the next scan
+  std::string map_fault;  // to be reported with the next scan
   GivenGround given_ground;
 
   Relocation relocation;
@@ -81,7 +81,7 @@ struct Tracker::State {
     if (observer) observer(stage);
   }
 
-  // ---- on known ground
+  // ---- tracking
 
   /// Crops and thins the scan; one with too few points is reported as empty.
   PreparedScan prepare(const Scan& scan, TrackedScan* tracked) {
@@ -129,9 +129,9 @@ struct Tracker::State {
   Attempt align_or_retry(const PreparedScan& scan, const MotionPrior& prior) {
     if (check.distrusted_scans() > 0) return odometer->probe(scan, prior, Reach::kNear);
     Attempt best = odometer->align(scan, prior, Reach::kNear);
-    // After a gap the heading may be another, and rooms look alike once turned.
+    // After a gap the heading may be another, and rooms look alike in several headings.
     if (explains(best, kFitScore) && (unseen_s() < kMoment || usual_share(best.health))) return best;
-    // The far reach takes long, and part of the points is enough for it: the next scan must not wait.
+    // The far reach takes long, so it is done with part of the points: the next scan must not wait.
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);
     Attempt far = odometer->look_far(part, loose);
@@ -140,7 +140,7 @@ struct Tracker::State {
       loose.mean = far.alignment.moving;
       Attempt again = odometer->align(scan, loose, Reach::kNear);
       again.prior = prior;
-      // A scan of new ground costs more than those before it, and some impossible motion always costs less.
+      // On new ground the cost is higher than before, and some implausible motion always has a lower one.
       if (check.is_plausible(again)) best = better(std::move(best), std::move(again));
     }
     return best;
@@ -152,7 +152,7 @@ struct Tracker::State {
   /// A scan of a robot that is not lost: predict, align, decide, fuse.
   void track_on(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
     MotionPrior prior = predict();
-    if (odometer->awaits_second()) {  // from two scans of which one is covered no motion follows
+    if (odometer->awaits_second()) {  // no motion follows from two scans if the sensor was covered at one
       const double more = odometer->for_one_of_first(scan);
       if (more < kCovered || more * kCovered > 1) {
         describe({}, PoseMethod::kPredicted, tracked);
@@ -162,7 +162,7 @@ struct Tracker::State {
       }
     }
     Attempt attempt = odometer->deskew_first(scan, time.elapsed_s(), align_or_retry(scan, prior), true);
-    // The other sensors decide only where the scans do not suffice.
+    // Auxiliary odometry decides only where the scans do not suffice.
     const MotionPrior expected = hints.motion ? predict(hints) : prior;
     if (hints.motion && !check.is_trusted(attempt)) {
       prior = expected;
@@ -171,7 +171,7 @@ struct Tracker::State {
     }
     const bool fits = check.is_trusted(attempt);
     const bool contradicted = fits && check.is_contradicted(time.now(), scan, attempt);
-    // (A search confirms nothing for a planar sensor.)
+    // (With a planar sensor a search is no confirmation.)
     const bool unconfirmed = fits && !contradicted && !scan.planar &&
                              check.is_to_be_confirmed(time.now(), time.period_s(), expected, attempt);
     finished(Stage::kAlign);
@@ -182,7 +182,7 @@ struct Tracker::State {
       return;
     }
     describe(attempt, PoseMethod::kPredicted, tracked);
-    // Still likelier than the prediction, and where the robot is looked for first.
+    // The alignment is still likelier than the prediction; local relocalisation begins there.
     if (unconfirmed) prior.mean = attempt.alignment.moving;
     distrust(prior, contradicted || unconfirmed);
     if (unconfirmed && !relocation.lost()) lose();
@@ -197,7 +197,7 @@ struct Tracker::State {
   void trust(const PreparedScan& scan, const Attempt& attempt) {
     odometer->accept(attempt);
     open = unknown_axes(odometer->pose_covariance(), kHorizontal, kSamePlace) != 0;
-    // What the map explains little of, a crowd or dust, may be gone the next moment.
+    // The next scan is not compared with one that the map explains little of: a crowd or dust may be gone.
     check.trust(time.now(), scan, odometer->state(), attempt.health.share >= kDegradedShare);
     state = TrackingState::kTracking;
     if (loose_since && time.since_s(*loose_since) > config.new_map_after_s) begin_epoch();
@@ -205,7 +205,7 @@ struct Tracker::State {
     keep(scan, attempt.health.share);
   }
 
-  /// Poses are those of another frame from here on, and not uncertain against it.
+  /// From here on poses are in another frame, relative to which they are not uncertain.
   void begin_epoch() {
     ++epoch;
     loose_since.reset();
@@ -220,8 +220,8 @@ struct Tracker::State {
     archive.note_stand(here);
   }
 
-  /// The constraint of a new keyframe: by odometry to the one before; after a jump, by the alignment of this
-  /// scan, to the nearest one.
+  /// The constraint of a new keyframe: by odometry, to the keyframe before it; after a jump, by the alignment
+  /// of this scan, to the nearest keyframe.
   std::optional<Constraint> tie() {
     const Matrix6 drift = odometer->take_new_drift();
     if (archive.empty()) return std::nullopt;
@@ -233,7 +233,7 @@ struct Tracker::State {
     return tie_to(before, here, covariance);
   }
 
-  /// The pose in the own frame changed by other than motion: the local frame does not jump with it.
+  /// The pose in the own frame changed otherwise than by motion: keeps the local frame free of jumps.
   void jump(const Pose& from, const Pose& to) {
     local_from_own = renormalised(local_from_own * from * to.inverse());
   }
@@ -286,8 +286,8 @@ struct Tracker::State {
     describe(attempt, found ? PoseMethod::kGlobal : PoseMethod::kIcp, tracked);
   }
 
-  /// The map of lost-mode odometry is the active submap from now on. Where the position was open, the pose
-  /// has not jumped, and is as uncertain as before.
+  /// The map of lost-mode odometry becomes the active submap. Where the position was open, the pose has not
+  /// jumped, and stays as uncertain as before.
   void begin_submap(const PreparedScan& scan, TrackedScan* tracked) {
     Excursion& excursion = relocation.excursion();
     const Matrix6 uncertain = odometer->pose_covariance() + odometer->drift();
@@ -309,7 +309,7 @@ struct Tracker::State {
 
   void lose() { relocation.begin(*odometer, check.last(), check.looks_alike(), archive); }
 
-  /// Where stored points cannot be read, the local map stays as it is.
+  /// Where `work` cannot read stored points, the local map stays as it is.
   template <typename Work>
   void read_map(const Work& work) {
     try {
@@ -319,7 +319,7 @@ struct Tracker::State {
     }
   }
 
-  /// The local map becomes what is archived around there.
+  /// The local map becomes the archived keyframes around `centre`.
   void reload(const Eigen::Vector3d& centre) {
     read_map([&] {
       odometer->reload(archive.keyframes(), centre, scale.current(0), archive.fixed());
@@ -347,7 +347,7 @@ struct Tracker::State {
   void report(TrackedScan* tracked) {
     tracked->state = reported_state();
     if (tracked->state == TrackingState::kTracking) {
-      const std::uint32_t never = odometer->planar() ? kOutOfPlane : 0;  // seen, nor missed, by such a sensor
+      const std::uint32_t never = odometer->planar() ? kOutOfPlane : 0;  // axes that it cannot observe
       const std::uint32_t missing = unknown_axes(odometer->pose_covariance(), ~never);
       tracked->degenerate_axes = missing | never;
       const bool little = tracked->inliers < kDegradedShare * tracked->points_used;
@@ -358,7 +358,7 @@ struct Tracker::State {
     tracked->local_from_body = local_from_own * odometer->state().pose;
     tracked->twist = odometer->state().twist;
     tracked->covariance = odometer->pose_covariance() + odometer->drift();
-    // The first pose is that of the frame, and filters want a matrix that has an inverse.
+    // The first pose defines the frame, without error, but filters need a covariance that has an inverse.
     if (tracked->state == TrackingState::kInitialising)
       tracked->covariance += kPoseFloor * kPoseFloor * Matrix6::Identity();
     tracked->keyframes = static_cast<int>(odometer->map().keyframes().size());
@@ -422,7 +422,7 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
 
 std::optional<RecoveryRequest> Tracker::take_request() {
   const State& s = *state_;
-  // Measured in the first submap; how others are tilted against it is not known.
+  // `up` was measured in the first submap; the tilt of other submaps relative to it is not known.
   const bool known = s.attitudes > 0 && s.submap == 0;
   return state_->relocation.take_request(s.time.stamp(), s.archive,
                                          known ? std::optional<Eigen::Vector3d>(s.up) : std::nullopt);
@@ -433,7 +433,7 @@ void Tracker::give(RecoveryAnswer answer) {
   note_map_fault(answer.map_fault);
   try {
     s.relocation.give(std::move(answer), s.archive, s.scale.current(0), *s.odometer);
-  } catch (const PointsUnreadable& error) {  // what was found cannot be tried; the search goes on
+  } catch (const PointsUnreadable& error) {  // the hypotheses cannot be tested; the search goes on
     note_map_fault(error.what());
   }
 }
@@ -466,7 +466,7 @@ void Tracker::set_pose(const Pose& map_from_body) {
   s.jumped = true;
   s.check.restart(here, s.time.now());
   s.begun = s.open = false;
-  if (!s.archive.knows(here.translation())) {  // a new start
+  if (!s.archive.knows(here.translation())) {  // no map there: a new start
     s.state = TrackingState::kInitialising;
     return;
   }

@@ -40,11 +40,12 @@ class Tracker {
   /// Never throws for any content of the scan; points that are not finite are skipped.
   TrackedScan track(const Scan& scan, const ScanPrior& prior = {});
 
-  /// The search for the robot's pose that is due, if any. The caller does it, at once in a replay, in another
-  /// thread on a robot, and gives the answer to `give` between two scans. No other is due before that.
+  /// The search for the robot's pose that is due, if any. The caller performs it, at once in a replay, in
+  /// another thread on a robot, and passes the answer to `give` between two scans. No other search is due
+  /// before that.
   std::optional<RecoveryRequest> take_request();
   void give(RecoveryAnswer answer);
-  /// To be told with the next scan: see TrackedScan::map_fault.
+  /// Reports `fault` with the next scan: see TrackedScan::map_fault.
   void note_map_fault(const std::string& fault);
 
   /// Called at the end of each stage of `track`, for timing.
@@ -53,13 +54,13 @@ class Tracker {
   /// Forgets the map and the motion; the next scan is the first of a new epoch.
   void reset();
 
-  /// The pose as a user or another program knows it: a new epoch, in the same map where there is one.
+  /// Sets the pose, known to a user or another program: a new epoch, in the same map where there is one.
   void set_pose(const Pose& map_from_body);
 
   /// The map, for relocalisation in a later run.
   SavedMap save() const;
-  /// Forgets the state, and searches a saved map for the pose of the scans that follow; a new epoch. `fixed`:
-  /// see KeyframeArchive::restore.
+  /// Forgets the state, and searches a saved map for the pose of the scans that follow; begins a new epoch.
+  /// `fixed`: see KeyframeArchive::restore.
   void load(SavedMap saved, bool fixed = false);
 
   /// The map as it stands: points with normals, in the map frame.
@@ -69,30 +70,30 @@ class Tracker {
 
   const KeyframeArchive& archive() const;
   const Pose& map_from_own() const;
-  /// From the local frame, which never jumps: see TrackedScan.
+  /// The transform from the local frame, which never jumps: see TrackedScan.
   Pose map_from_local() const;
   /// The pose of the sensor at the last scan.
   const Pose& own_from_body() const;
-  /// Of the active submap: its map is what scans are aligned with.
+  /// The odometer of the active submap: scans are aligned with its map.
   const Odometer& odometer() const;
-  /// Scans in a row that lost-mode odometry has followed; 0 without it.
+  /// Number of scans that lost-mode odometry has followed in a row; 0 where it does not run.
   int excursion_scans() const;
-  /// The active submap, counted from 0: a robot that is lost for long begins another one. Keyframes of other
-  /// submaps are at least kSubmapsApart from it, for their true relative poses are not known.
+  /// Index of the active submap, from 0: a robot that is lost for long begins a new one. Keyframes of other
+  /// submaps are placed at least kSubmapsApart from it, because their true relative poses are not known.
   std::uint32_t submap() const;
   /// Metres along -x by which all earlier keyframes were moved when the active submap began.
   double moved_away() const;
-  /// The active submap is another one, whose map frame is another.
+  /// Sets the map frame, for a robot that has been localised in another submap, with a map frame of its own.
   void set_map_from_own(const Pose& map_from_own);
   /// Whether the last scan was aligned with the map of the active submap.
   bool on_known_ground() const;
-  /// Archived keyframes of this utime or later are of this visit, and may be part of the local map: those of
-  /// earlier ones are there only where they are fixed, or it was reloaded with them.
+  /// Archived keyframes of this utime or later are of this visit, and may be part of the local map: earlier
+  /// keyframes are in it only where they are fixed, or where it was reloaded with them.
   std::int64_t local_map_utime() const;
   double voxel() const;  ///< metres, of the map
-  /// Corrected poses of keyframes and of the map frame. `drift`: covariance of the map around the robot
-  /// against the map frame, in the frame of own_from_body(). `jumps`: poses in the map frame jump by it, a
-  /// new epoch.
+  /// Sets corrected poses of keyframes and of the map frame. `drift`: covariance of the map around the robot
+  /// relative to the map frame, in the frame of own_from_body(). `jumps`: poses in the map frame jump by the
+  /// correction, so that a new epoch begins.
   void correct(const std::map<std::uint32_t, Pose>& own_from_keyframe, const Pose& map_from_own,
                const Matrix6& drift, bool jumps);
   /// See KeyframeArchive::replace.

@@ -11,8 +11,8 @@ constexpr double kQuantile = 2.326;  // of a normal variable, one-sided: 99 %
 
 }  // namespace
 
-/// As for a gamma variable of the same mean and variance (Satterthwaite), by the formula of Wilson and
-/// Hilferty.
+/// The squared length is treated as a gamma variable of its mean and variance (Satterthwaite); its quantile
+/// is by the formula of Wilson and Hilferty.
 double squared_bound(const Eigen::Matrix3d& covariance) {
   const double mean = covariance.trace(), spread = covariance.squaredNorm();
   if (!(mean > 0)) return mean;

@@ -10,11 +10,11 @@
 
 namespace scanlock {
 
-/// The error that 99 of 100 poses with the state TRACKING are below, relative to the map around the robot.
-/// Poses of larger expected error are DEGRADED.
+/// Bounds on the error, relative to the map around the robot, that 99 of 100 poses with the state TRACKING
+/// meet. Poses of larger expected error are DEGRADED.
 inline constexpr double kTrackedMetres = 0.05, kTrackedRadians = 1.0 * kDegree;
 
-/// The length, squared, that a normal vector of this covariance exceeds in one case of a hundred.
+/// The squared length that a normally distributed vector of this covariance exceeds in one case of a hundred.
 double squared_bound(const Eigen::Matrix3d& covariance);
 
 /// The axes, as bits (see Degeneracy), along which the error of a pose of this covariance exceeds these

@@ -10,19 +10,19 @@
 
 namespace scanlock {
 
-/// Hash map from voxel to a point in it; open addressing, for speed: it is asked for every point of every
-/// keyframe.
+/// Hash map from the key of a voxel to the index of a point in it; open addressing, for speed: it is queried
+/// for every point of every keyframe.
 class VoxelIndex {
  public:
   VoxelIndex() : slots_(kFirstSlots) {}
 
-  /// Its slots stay, for about as many voxels again.
+  /// The slots stay allocated, for about as many voxels again.
   void clear() {
     std::fill(slots_.begin(), slots_.end(), Slot{});
     used_ = 0;
   }
 
-  /// The point that stands for the voxel; `point` from now on, where there was none.
+  /// Returns the point that represents the voxel; that is `point` from now on where there was none.
   std::uint32_t insert(std::uint64_t key, std::uint32_t point) {
     Slot& slot = slots_[find(key)];
     if (slot.key == key) return slot.point;
@@ -30,7 +30,7 @@ class VoxelIndex {
     if (++used_ * 2 > slots_.size()) grow();
     return point;
   }
-  /// What stood for point i stands for point now[i] from now on, or for none where that is kGone.
+  /// Voxels represented by point i are represented by point now[i] from now on, by none where that is kGone.
   static constexpr std::uint32_t kGone = ~0U;
   void renumber(const std::vector<std::uint32_t>& now) {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
@@ -62,7 +62,8 @@ class VoxelIndex {
     return at;
   }
 
-  /// Fills the hole with the next slot of its run that may be there, and so on.
+  /// Fills the hole with the next slot of its run that may be stored there, then the hole that this leaves,
+  /// etc.
   void erase(std::size_t hole) {
     for (std::size_t i = (hole + 1) & mask(); slots_[i].key != Slot().key; i = (i + 1) & mask()) {
       const bool is_before_home = ((i - home(slots_[i].key)) & mask()) < ((i - hole) & mask());
