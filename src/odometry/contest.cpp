@@ -26,7 +26,8 @@ constexpr int kWins = 3;               // scans in a row
 constexpr int kMissesAllowed = 1;      // scans that do not fit a hypothesis
 constexpr double kFew = 0.25;          // pseudocount, in mean numbers of points in a patch
 // Standard deviations that a difference of counts exceeds by chance once in 30,000 scans. In a hall with two
-// ends alike, at 250 points per scan, the differences had 0.9 to 1.0, and at most 3.2 in 141 scans.
+// ends alike, at 250 points per scan, the differences scattered by 0.9 to 1.0 of these, and by at most 3.2 in
+// 141 scans.
 constexpr double kChance = 4;
 // Energy of a scan less its running median, at which its log odds are 0, and log odds per unit of energy. Of
 // 1052 scans of a vlp16 at the right place in a map of another drive half had more than 0.02 and 5 of 100

@@ -17,7 +17,8 @@ enum class TrackingState : std::int8_t {
   kTracking = 1,      ///< aligned with the map
   /// Aligned, but less certain than TRACKING promises (99 of 100 poses are within 0.05 m and 1 degree,
   /// relative to the map around the robot; `degenerate_axes` are the axes along which this does not hold), or
-  /// data is missing: scans, or inliers, which are fewer than 0.4 of the points of a scan.
+  /// data is missing: scans, or inliers, which are fewer than 0.4 of the points of a scan; or the position
+  /// was not observed while a submap was begun.
   kDegraded = 2,
   kRecovering = 3,  ///< the energy jumped: a global search runs, the pose is predicted
   kAmbiguous = 4,   ///< two hypotheses explain the scan equally well; no jump was made

@@ -63,7 +63,7 @@ class Tracker {
   /// `fixed`: see KeyframeArchive::restore.
   void load(SavedMap saved, bool fixed = false);
 
-  /// The map as it stands: points with normals, in the map frame.
+  /// The points of the local map, in the map frame.
   PointCloud map() const;
 
   // ---- for Mapper, which adds constraints: poses are in the tracker's own frame
