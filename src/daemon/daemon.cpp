@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kMostCommands = 64;  // waiting at a time; people and scripts send one
 
 /// How often the publishing thread checks the stop signal while no scan arrives.
-constexpr std::chrono::milliseconds kGlance{50};
+constexpr std::chrono::milliseconds kCoarse{50};
 
 /// Throws ConfigError for a URL that can never work.
 Pipeline::Mode mode_of(const DaemonConfig& config) {
@@ -114,7 +114,7 @@ void Daemon::publish_until_the_end(const StopSignal& stop) {
     }
     if (const auto line = silence.look(statistics_.report().counters, now))
       statistics_.say(line->warning ? LogLevel::kWarning : LogLevel::kInfo, line->text);
-    if (const auto finished = finished_.take_until(std::min(next_status, now + kGlance)))
+    if (const auto finished = finished_.take_until(std::min(next_status, now + kCoarse)))
       outputs.publish(*finished);
   }
   manager_.stopping();

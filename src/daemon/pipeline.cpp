@@ -41,7 +41,7 @@ Pipeline::Pipeline(const Config& config, Statistics& statistics, Mode mode)
       statistics_(statistics),
       maps_(config, statistics),
       mapper_(config.tracker),
-      judge_(body_from_sensor_),
+      consistency_(body_from_sensor_),
       search_(config.tracker, mode == Mode::kReplay) {
   if (auto loaded = maps_.load_at_start()) mapper_.load(std::move(loaded->map), loaded->fixed);
   while (auto request = mapper_.take_request()) mapper_.give(search_.work(*request));
@@ -89,10 +89,10 @@ void Pipeline::track(const ReceivedScan& received, FinishedScan* finished) {
 }
 
 TrackedScan Pipeline::track_with_prior(const ReceivedScan& received) {
-  TrackedScan tracked = mapper_.track(received.scan, judge_.prior(received.prior));
-  const std::int64_t before = judge_.contradictions();
-  const auto sentence = judge_.learn(received.prior, tracked);
-  const std::int64_t contradictions = judge_.contradictions() - before;
+  TrackedScan tracked = mapper_.track(received.scan, consistency_.prior(received.prior));
+  const std::int64_t before = consistency_.contradictions();
+  const auto sentence = consistency_.learn(received.prior, tracked);
+  const std::int64_t contradictions = consistency_.contradictions() - before;
   if (sentence)
     statistics_.complain(&Counters::priors_contradicting, *sentence, contradictions);
   else

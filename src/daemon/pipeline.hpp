@@ -15,7 +15,7 @@
 #include "mapping/cloud_map.hpp"
 #include "mapping/mapper.hpp"
 #include "messages/reports.hpp"
-#include "odometry/prior_judge.hpp"
+#include "odometry/consistency_check.hpp"
 
 namespace scanlock {
 
@@ -72,7 +72,7 @@ class Pipeline {
   Statistics& statistics_;
   MapStore maps_;
   Mapper mapper_;
-  PriorJudge judge_;
+  ConsistencyCheck consistency_;
   PublisherWatch publishers_;
   BackgroundSearch search_;
 };

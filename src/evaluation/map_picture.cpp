@@ -42,10 +42,10 @@ Points2 plan_of(const PointCloud& map, double cell) {
   Points2 plan;
   for (const auto& [at, heights] : levels) {
     // A noisy floor occupies two levels, and the ceiling above it others.
-    const auto stands = [&](int level) {
+    const auto body_ups = [&](int level) {
       return heights.count(level + 1) != 0 && heights.count(level + 2) != 0;
     };
-    if (std::any_of(heights.begin(), heights.end(), stands))
+    if (std::any_of(heights.begin(), heights.end(), body_ups))
       plan.push_back(cell * Eigen::Vector2d(at.first + 0.5, at.second + 0.5));
   }
   return plan;

@@ -17,7 +17,7 @@ PointCloud moved(PointCloud cloud, const Pose& pose) {
     cloud.ny[i] = n.y();
     cloud.nz[i] = n.z();
   }
-  for (Eigen::Vector3f& eye : cloud.eyes) eye = (pose * eye.cast<double>()).cast<float>();
+  for (Eigen::Vector3f& eye : cloud.viewpoints) eye = (pose * eye.cast<double>()).cast<float>();
   return cloud;
 }
 

@@ -12,12 +12,12 @@ namespace scanlock {
 /// Points as a structure of arrays, so that the compiler can vectorise loops over one coordinate.
 /// x, y, z always have the same size; every other array is either empty or of that size too.
 struct PointCloud {
-  std::vector<float> x, y, z;         ///< metres, in the frame that the owner of the cloud documents
-  std::vector<float> nx, ny, nz;      ///< unit normals
-  std::vector<float> intensity;       ///< in the unit of the sensor
-  std::vector<float> time;            ///< seconds relative to the stamp of the scan; may be negative
-  std::vector<Eigen::Vector3f> eyes;  ///< metres: sensor origin from which the point was measured
-  std::vector<std::uint8_t> alone;    ///< 1: point of an isolated object, see odometry/standing_alone
+  std::vector<float> x, y, z;               ///< metres, in the frame that the owner of the cloud documents
+  std::vector<float> nx, ny, nz;            ///< unit normals
+  std::vector<float> intensity;             ///< in the unit of the sensor
+  std::vector<float> time;                  ///< seconds relative to the stamp of the scan; may be negative
+  std::vector<Eigen::Vector3f> viewpoints;  ///< metres: sensor origin from which the point was measured
+  std::vector<std::uint8_t> alone;          ///< 1: point of an isolated object, see odometry/standing_alone
 
   std::size_t size() const { return x.size(); }
   bool empty() const { return x.empty(); }
@@ -25,12 +25,14 @@ struct PointCloud {
   bool has_intensity() const { return !x.empty() && intensity.size() == x.size(); }
   bool has_times() const { return !x.empty() && time.size() == x.size(); }
   bool is_alone(std::size_t i) const { return !alone.empty() && alone[i] != 0; }
-  bool has_eyes() const { return !x.empty() && eyes.size() == x.size(); }
+  bool has_viewpoints() const { return !x.empty() && viewpoints.size() == x.size(); }
 
   Eigen::Vector3f point(std::size_t i) const { return {x[i], y[i], z[i]}; }
   Eigen::Vector3f normal(std::size_t i) const { return {nx[i], ny[i], nz[i]}; }
   /// Sensor origin of point i, metres; the origin of the frame for clouds without `eyes`.
-  Eigen::Vector3f eye(std::size_t i) const { return has_eyes() ? eyes[i] : Eigen::Vector3f::Zero(); }
+  Eigen::Vector3f eye(std::size_t i) const {
+    return has_viewpoints() ? viewpoints[i] : Eigen::Vector3f::Zero();
+  }
 
   void reserve(std::size_t n) {
     x.reserve(n);

@@ -310,7 +310,7 @@ PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& ind
   pick(cloud.nz, &result.nz);
   pick(cloud.intensity, &result.intensity);
   pick(cloud.time, &result.time);
-  pick(cloud.eyes, &result.eyes);
+  pick(cloud.viewpoints, &result.viewpoints);
   pick(cloud.alone, &result.alone);
   return result;
 }

@@ -92,8 +92,8 @@ CloudCheck::OneWay CloudCheck::one_way(const CloudCheck& from, const CloudCheck&
   return result;
 }
 
-CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
-                std::size_t count) {
+CloudFit coarse_fit(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
+                    std::size_t count) {
   const Eigen::Matrix3f rotation = target_from_source.linear().cast<float>();
   const Eigen::Vector3f translation = target_from_source.translation().cast<float>();
   const std::size_t stride = std::max<std::size_t>(1, source.samples_.size() / count);

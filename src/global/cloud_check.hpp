@@ -57,8 +57,8 @@ class CloudCheck {
 
   friend CloudFit compare(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
                           ContradictionOf whose);
-  friend CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
-                         std::size_t count);
+  friend CloudFit coarse_fit(const CloudCheck& source, const CloudCheck& target,
+                             const Pose& target_from_source, std::size_t count);
   friend std::vector<std::uint16_t> surfaces_met(const CloudCheck& source, const CloudCheck& target,
                                                  const Eigen::Matrix3d& attitude,
                                                  const std::vector<Eigen::Vector3d>& places,
@@ -89,8 +89,8 @@ class CloudCheck {
 
 /// A coarse fit: overlap and contradiction from source to target alone, over about `count` points of the
 /// source, with a tolerance of two voxels.
-CloudFit glance(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
-                std::size_t count);
+CloudFit coarse_fit(const CloudCheck& source, const CloudCheck& target, const Pose& target_from_source,
+                    std::size_t count);
 
 /// For each of `places` (metres): the number of points, of about `count` points of the source rotated by
 /// `attitude` and moved to the place, that are within two voxels of a surface of the target.

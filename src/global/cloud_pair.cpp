@@ -9,7 +9,7 @@
 #include "geometry/rigid_fit.hpp"
 #include "global/attitude_search.hpp"
 #include "global/cpu_clock.hpp"
-#include "global/stand_poses.hpp"
+#include "global/ground_poses.hpp"
 #include "global/surface_poses.hpp"
 #include "icp/cloud_selection.hpp"
 
@@ -119,7 +119,7 @@ std::vector<Pose> CloudPair::likely_poses(const std::vector<Eigen::Vector3d>& up
   CpuClock clock;
   index_clouds();
   std::vector<Pose> poses = surface_poses(
-      all_matches(), stand_poses(source_.points, target_.points, target_check_->space(), source_.voxel, ups),
+      all_matches(), ground_poses(source_.points, target_.points, target_check_->space(), source_.voxel, ups),
       *source_check_, *target_check_, ups, centre_, epsilon_, count);
   matching_ms_ += clock.lap();
   return poses;
@@ -150,7 +150,7 @@ void CloudPair::compare_clouds(bool first, Hypothesis* hypothesis) {
 
 bool CloudPair::slides(const Hypothesis& hypothesis) const {
   const Eigen::Vector3d step =
-      kRivalEpsilons * epsilon_ * (hypothesis.refined.linear() * source_check_->loose_direction());
+      kRunnerUpEpsilons * epsilon_ * (hypothesis.refined.linear() * source_check_->loose_direction());
   const auto fits = [&](const Eigen::Vector3d& shift) {
     Pose shifted = hypothesis.refined;
     shifted.translation() += shift;

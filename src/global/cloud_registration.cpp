@@ -106,8 +106,8 @@ MatchRegistration Registrar::search(const Matches& matches, bool runner_up, int 
   search.runner_up = runner_up;
   search.prune = runner_up;                  // without a runner-up, pruning saves no time
   search.weak_runner_up = !options_.judged;  // if judged, the clouds exclude weak ones
-  search.rival_distance = kRivalEpsilons * epsilon_;
-  search.rival_angle = kRivalAngle;
+  search.runner_up_distance = kRunnerUpEpsilons * epsilon_;
+  search.runner_up_angle = kRivalAngle;
   return search_attitudes(matches, search, options_.target_ups, clouds_.centre());
 }
 
@@ -166,7 +166,7 @@ void Registrar::attempt(const CloudDescription& source, const CloudDescription& 
   ++result_.attempts;
   hypotheses_.clear();
   result_.start = result_.target_from_source = result_.solution.target_from_source;
-  result_.fit = result_.rival_fit = CloudFit{};
+  result_.fit = result_.runner_up_fit = CloudFit{};
   if (result_.solution.consensus < kFewestMatches) {
     judge();
     return;
@@ -208,14 +208,14 @@ void Registrar::judge() {
                        [](const auto& a, const auto& b) { return score(a.fit) < score(b.fit); });
   settle_on(*best);
   const bool first = best == hypotheses_.begin();
-  bool rival = false;
-  result_.rival_fit = CloudFit{};
-  result_.rivals.clear();
+  bool runner_up = false;
+  result_.runner_up_fit = CloudFit{};
+  result_.runners_up.clear();
   for (const Hypothesis& h : hypotheses_) {
     if (&h == &*best) continue;
-    result_.rivals.push_back(h.refined);
-    if (score(h.fit) > score(result_.rival_fit)) result_.rival_fit = h.fit;
-    rival = rival || !clearly_worse(h.fit, best->fit);
+    result_.runners_up.push_back(h.refined);
+    if (score(h.fit) > score(result_.runner_up_fit)) result_.runner_up_fit = h.fit;
+    runner_up = runner_up || !clearly_worse(h.fit, best->fit);
   }
   const CloudFit& fit = best->fit;
   const bool sound = first && fit.contradiction <= kClearContradiction;
@@ -223,7 +223,7 @@ void Registrar::judge() {
   const bool strong = sound && fit.overlap >= kStrongOverlap && fit.least_overlap >= kStrongLeastOverlap;
   if (!confirmed(best->fit, source_.voxel)) {
     result_.why = "the clouds do not confirm any pose: " + numbers();
-  } else if (rival) {
+  } else if (runner_up) {
     result_.verdict = GlobalVerdict::kAmbiguous;
     result_.why = "another pose fits the clouds about as well: " + numbers();
   } else if ((best->degenerate_axes & kHorizontalAxes) != 0 || clouds_.slides(*best)) {
@@ -257,7 +257,7 @@ CloudRegistration Registrar::propose() {
   for (const Pose& pose : options_.proposals) {
     const Hypothesis proposal = clouds_.examine(pose, 0, false);
     if (proposal.fit.contradiction <= kImpossible && proposal.fit.overlap >= kSomeOverlap)
-      result_.standing.push_back(proposal);
+      result_.uncontradicted.push_back(proposal);
   }
   const MatchRegistration& s = result_.solution;
   if (s.consensus < kFewestMatches) {
@@ -290,7 +290,7 @@ CloudRegistration Registrar::propose() {
     if (&h == &best) continue;
     others.push_back(h.fit);
     if (score(h.fit) <= score(best.fit) - kOutOfQuestion) continue;
-    if (h.fit.contradiction <= kImpossible) result_.rivals.push_back(h.refined);
+    if (h.fit.contradiction <= kImpossible) result_.runners_up.push_back(h.refined);
   }
   result_.log_odds = log_odds(best.fit, others);
   char odds[40];

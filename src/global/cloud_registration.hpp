@@ -53,13 +53,13 @@ struct CloudRegistration {
   Pose start = Pose::Identity();
   Pose target_from_source = Pose::Identity();  ///< refined with the clouds; always finite
   GlobalVerdict verdict = GlobalVerdict::kNoOverlap;
-  std::string why;                    ///< the reason of the verdict, a sentence for users
-  CloudFit fit, rival_fit;            ///< of target_from_source, and of the best of `rivals`
-  std::vector<Pose> rivals;           ///< refined poses of the other hypotheses
-  double log_odds = 0;                ///< see hypothesis.hpp; of target_from_source, unless judged
-  std::vector<Hypothesis> standing;   ///< the proposals that the clouds do not contradict
-  std::uint32_t degenerate_axes = 0;  ///< of the refinement
-  double epsilon = 0;                 ///< metres: the inlier threshold that was used
+  std::string why;                         ///< the reason of the verdict, a sentence for users
+  CloudFit fit, runner_up_fit;             ///< of target_from_source, and of the best of `rivals`
+  std::vector<Pose> runners_up;            ///< refined poses of the other hypotheses
+  double log_odds = 0;                     ///< see hypothesis.hpp; of target_from_source, unless judged
+  std::vector<Hypothesis> uncontradicted;  ///< the proposals that the clouds do not contradict
+  std::uint32_t degenerate_axes = 0;       ///< of the refinement
+  double epsilon = 0;                      ///< metres: the inlier threshold that was used
   int attempts = 0;
   double matching_ms = 0, refinement_ms = 0, pruning_ms = 0, search_ms = 0;  ///< CPU time of all attempts
   std::size_t nodes = 0;                                                     ///< of all attempts

@@ -31,9 +31,9 @@ double score(const CloudFit& fit) {
 }
 
 double log_odds(const CloudFit& fit, const std::vector<CloudFit>& others) {
-  double rival = kLeastRival;
-  for (const CloudFit& other : others) rival = std::max(rival, score(other));
-  const double odds = kOddsOfNothing + kOddsOfOverlap * fit.overlap + kOddsOfLead * (score(fit) - rival) -
+  double runner_up = kLeastRival;
+  for (const CloudFit& other : others) runner_up = std::max(runner_up, score(other));
+  const double odds = kOddsOfNothing + kOddsOfOverlap * fit.overlap + kOddsOfLead * (score(fit) - runner_up) -
                       kOddsOfContradiction * std::sqrt(std::min(fit.contradiction, kMostTold));
   return odds * std::min(1.0, static_cast<double>(fit.steep) / kFewSteep);
 }
@@ -45,7 +45,7 @@ bool clearly_worse(const CloudFit& other, const CloudFit& best) {
 double separation(const Pose& a, const Pose& b, const Eigen::Vector3d& centre, double epsilon) {
   const double distance = (a * centre - b * centre).norm();
   const double angle = so3_log(a.linear().transpose() * b.linear()).norm();
-  return std::max(distance / (kRivalEpsilons * epsilon), angle / kRivalAngle);
+  return std::max(distance / (kRunnerUpEpsilons * epsilon), angle / kRivalAngle);
 }
 
 Pose levelled(const Pose& pose, const Eigen::Vector3d& up, const Eigen::Vector3d& centre) {

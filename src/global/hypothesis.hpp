@@ -45,10 +45,10 @@ bool clearly_worse(const CloudFit& other, const CloudFit& best);
 /// their surfaces, but then walls of one room are in the free space of the other.
 inline constexpr double kClearContradiction = 0.025;
 
-inline constexpr double kRivalEpsilons = 4,
+inline constexpr double kRunnerUpEpsilons = 4,
                         kRivalAngle = 0.1;  // epsilons and radians between different hypotheses
-/// The distance between two poses of the source, in units of kRivalEpsilons epsilons and kRivalAngle: from 1
-/// on they are different hypotheses. `centre`, of the source, and `epsilon`: metres.
+/// The distance between two poses of the source, in units of kRunnerUpEpsilons epsilons and kRivalAngle: from
+/// 1 on they are different hypotheses. `centre`, of the source, and `epsilon`: metres.
 double separation(const Pose& a, const Pose& b, const Eigen::Vector3d& centre, double epsilon);
 
 /// The pose after the smallest rotation about `centre` of the source (metres) that turns the source's z axis

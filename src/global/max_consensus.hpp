@@ -29,10 +29,10 @@ struct MatchRegistrationOptions {
   int at_least = 0;
   /// Called repeatedly with the consensus so far and its upper bound, for a progress bar; may be empty.
   std::function<void(int consensus, int upper_bound)> progress;
-  bool runner_up = true;        ///< search for the runner-up
-  bool weak_runner_up = true;   ///< also, with little effort, for one of less than half the consensus
-  double rival_distance = 1.0;  ///< metres, at the centre of the source points
-  double rival_angle = 0.0872664625997164788;  ///< radians
+  bool runner_up = true;            ///< search for the runner-up
+  bool weak_runner_up = true;       ///< also, with little effort, for one of less than half the consensus
+  double runner_up_distance = 1.0;  ///< metres, at the centre of the source points
+  double runner_up_angle = 0.0872664625997164788;  ///< radians
 };
 
 /// The pose that holds the most matches, and the proven bounds.
@@ -42,7 +42,7 @@ struct MatchRegistration {
   int upper_bound = 0;     ///< no levelled pose holds more
   bool certified = false;  ///< upper_bound == consensus
 
-  /// The best pose found that differs from the first by more than rival_distance or rival_angle.
+  /// The best pose found that differs from the first by more than runner_up_distance or runner_up_angle.
   Pose runner_up = Pose::Identity();
   int runner_up_consensus = 0;
   int runner_up_bound =

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kSteepMatch = 0.7;      // least horizontal part of a normal
 constexpr std::size_t kGlimpse = 32;     // points for the first score of every guess
-constexpr std::size_t kGlance = 100;     // points for the coarse score of the best guesses and all matches
+constexpr std::size_t kCoarse = 100;     // points for the coarse score of the best guesses and all matches
 constexpr std::size_t kLook = 600;       // points for the score of the best poses of both
 constexpr std::size_t kGlanced = 10000;  // number of guesses with a coarse score, at most
 constexpr std::size_t kLooked = 1000;    // number of poses scored with kLook points, at most
@@ -34,7 +34,7 @@ void best_first(std::vector<Candidate>* candidates) {
 
 /// The poses, at most kGlanced, at which the most points of the source meet a surface of the target; of poses
 /// that meet equally many, all or none.
-std::vector<Pose> best_of(const StandPoses& poses, const CloudCheck& source, const CloudCheck& target) {
+std::vector<Pose> best_of(const GroundPoses& poses, const CloudCheck& source, const CloudCheck& target) {
   std::vector<std::vector<std::uint16_t>> met;
   std::vector<std::size_t> poses_that_meet(2 * kGlimpse, 0);  // number of poses by number of points
   for (const Eigen::Matrix3d& attitude : poses.attitudes) {
@@ -58,7 +58,7 @@ std::vector<Pose> best_of(const StandPoses& poses, const CloudCheck& source, con
 
 }  // namespace
 
-std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const StandPoses& guesses,
+std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const GroundPoses& guesses,
                                 const CloudCheck& source, const CloudCheck& target,
                                 const std::vector<Eigen::Vector3d>& ups, const Eigen::Vector3d& centre,
                                 double epsilon, std::size_t count) {
@@ -75,14 +75,14 @@ std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const 
       Pose pose = Pose::Identity();
       pose.linear() = level.transpose() * rotation_about_z(yaw);
       pose.translation() = m.q - pose.linear() * m.p;
-      candidates.push_back({score(glance(source, target, pose, kGlance)), pose});
+      candidates.push_back({score(coarse_fit(source, target, pose, kCoarse)), pose});
     }
   }
   for (const Pose& pose : best_of(guesses, source, target))
-    candidates.push_back({score(glance(source, target, pose, kGlance)), pose});
+    candidates.push_back({score(coarse_fit(source, target, pose, kCoarse)), pose});
   best_first(&candidates);
   candidates.resize(std::min(candidates.size(), kLooked));
-  for (Candidate& c : candidates) c.score = score(glance(source, target, c.pose, kLook));
+  for (Candidate& c : candidates) c.score = score(coarse_fit(source, target, c.pose, kLook));
   best_first(&candidates);
   std::vector<Pose> result;
   for (const Candidate& c : candidates) {

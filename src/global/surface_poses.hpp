@@ -8,7 +8,7 @@
 
 #include "geometry/rigid.hpp"
 #include "global/cloud_check.hpp"
-#include "global/stand_poses.hpp"
+#include "global/ground_poses.hpp"
 #include "global/surface_fit.hpp"
 
 namespace scanlock {
@@ -19,7 +19,7 @@ namespace scanlock {
 /// best score, the best first, each a different hypothesis from those before it (see separation()); they are
 /// coarse, and have to be refined. `guesses`: further poses to score. `ups`: directions of the target's frame
 /// that may be the source's z axis; empty: the z axis. `centre`, of the source, and `epsilon`: metres.
-std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const StandPoses& guesses,
+std::vector<Pose> surface_poses(const std::vector<SurfaceMatch>& matches, const GroundPoses& guesses,
                                 const CloudCheck& source, const CloudCheck& target,
                                 const std::vector<Eigen::Vector3d>& ups, const Eigen::Vector3d& centre,
                                 double epsilon, std::size_t count);

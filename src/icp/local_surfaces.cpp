@@ -195,9 +195,9 @@ Surface LocalSurfaces::fit(std::int32_t index) const {
   const int count = tree_->k_nearest(cloud_->point(at), kNeighbours, near.data(), radius_);
   Surface surface =
       walls_ ? fit_wall(*cloud_, near.data(), count) : fit_plane_or_line(at, near.data(), count);
-  if (cloud_->has_eyes() && !surface.line) {
-    surface.weight *= edge_on_weight(surface, cloud_->eyes[at]);
-    if (surface.normal.dot(cloud_->eyes[at] - surface.centre) < 0) surface.normal = -surface.normal;
+  if (cloud_->has_viewpoints() && !surface.line) {
+    surface.weight *= edge_on_weight(surface, cloud_->viewpoints[at]);
+    if (surface.normal.dot(cloud_->viewpoints[at] - surface.centre) < 0) surface.normal = -surface.normal;
   }
   if (cloud_->is_alone(at) && count > 0 && count < kNeighbours) {
     const Surface post = fit_post(*cloud_, near.data(), count, 0.5f * radius_, kUnsure * radius_);

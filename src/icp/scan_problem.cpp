@@ -84,7 +84,7 @@ double ScanProblem::measure() {
   const float squared_gate = static_cast<float>(gate() * gate());
   const PointCloud& cloud = target->cloud;
   const std::vector<std::int32_t>& indices = correspondences.indices();
-  const bool sided = options->sided && cloud.has_eyes();
+  const bool sided = options->sided && cloud.has_viewpoints();
   double explained = 0;
   matched = 0;
   for (std::size_t i = 0; i < source->size(); ++i) {

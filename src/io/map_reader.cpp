@@ -146,16 +146,16 @@ Eigen::Vector3d read_up(MapReader& reader) {
 std::vector<Eigen::Vector3f> read_stands(MapReader& reader) {
   const std::size_t start = reader.at();
   const std::uint64_t count = reader.get<std::uint32_t>("the number of stands");
-  if (count > kMostStands) reader.fail(start, std::to_string(count) + " stands are none of ours");
+  if (count > kMostBodyUps) reader.fail(start, std::to_string(count) + " stands are none of ours");
   reader.need(count * kStandBytes, "the stands");
-  std::vector<Eigen::Vector3f> stands(static_cast<std::size_t>(count));
-  for (Eigen::Vector3f& up : stands) {
+  std::vector<Eigen::Vector3f> body_ups(static_cast<std::size_t>(count));
+  for (Eigen::Vector3f& up : body_ups) {
     const std::size_t at = reader.at();
     for (int axis = 0; axis < 3; ++axis) up[axis] = bits_of<float>(reader.get<std::uint32_t>("a stand"));
     constexpr float kTolerance = 1e-3F;
     if (!(std::abs(up.norm() - 1) < kTolerance)) reader.fail(at, "a stand is no direction");
   }
-  return stands;
+  return body_ups;
 }
 
 ArchivedKeyframe read_keyframe(MapReader& reader, std::uint32_t version) {
@@ -172,7 +172,7 @@ ArchivedKeyframe read_keyframe(MapReader& reader, std::uint32_t version) {
     reader.fail(at, "a step of 2^" + std::to_string(exponent) + " m is none of ours");
   const std::uint64_t count = reader.get<std::uint32_t>("the number of points");
   keyframe.points = reader.points(count, exponent);
-  if (version >= 2) keyframe.stands = read_stands(reader);
+  if (version >= 2) keyframe.body_ups = read_stands(reader);
   return keyframe;
 }
 

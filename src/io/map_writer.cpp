@@ -72,8 +72,8 @@ void put_keyframe(std::vector<std::uint8_t>& out, const ArchivedKeyframe& keyfra
       put(out, bits_of<std::uint16_t>(static_cast<std::int16_t>(std::clamp(steps, -kMostSteps, kMostSteps))));
     }
   }
-  put(out, static_cast<std::uint32_t>(keyframe.stands.size()));
-  for (const Eigen::Vector3f& up : keyframe.stands)
+  put(out, static_cast<std::uint32_t>(keyframe.body_ups.size()));
+  for (const Eigen::Vector3f& up : keyframe.body_ups)
     for (const float coordinate : {up.x(), up.y(), up.z()}) put(out, bits_of<std::uint32_t>(coordinate));
 }
 
@@ -93,7 +93,7 @@ void encode_map(const SavedMap& map, const TakeBytes& take) {
   std::uint64_t body = 4 + kPoseBytes + kUpBytes + 4 + 4 + kConstraintBytes * map.constraints.size();
   for (const ArchivedKeyframe& keyframe : map.keyframes)
     body += kKeyframeBytes + kPointBytes * finite_points(keyframe.points) + 4 +
-            kStandBytes * keyframe.stands.size();
+            kStandBytes * keyframe.body_ups.size();
   std::vector<std::uint8_t> piece(kMagic.begin(), kMagic.end());
   std::uint32_t checksum = 0;
   const auto flush = [&] {

@@ -211,7 +211,7 @@ SavedMap CloudMapBuilder::build(const std::string& name,
   const std::vector<FloorPlace> places = wide_floors(floors.places);
   const std::vector<Eigen::Vector3f> rays = ray_directions();
   const auto range = static_cast<float>(options_.max_range_m);
-  Eyes eyes;
+  Eyes viewpoints;
   KeyframeArchive archive(std::numeric_limits<std::size_t>::max());
   // Heights of eyes that saw fewer than kLeastSeen points, by squares of 2 x 2 cells: of the cells in such a
   // square, on a roof or a bare field, only one is tried.
@@ -228,13 +228,13 @@ SavedMap CloudMapBuilder::build(const std::string& name,
     const auto nothing = barren.find(cell_of(eye, 2 * kFloorCell));
     if (nothing != barren.end() && std::abs(nothing->second - eye.z()) < kFloorStep) continue;
     if (!is_free(solid_, eye)) continue;
-    if (eyes.cover(solid_, eye)) continue;
+    if (viewpoints.cover(solid_, eye)) continue;
     const View view = seen_from(solid_, eye, rays, range, options_.threads);
     if (view.standing < kLeastSeen) {
       barren[cell_of(eye, 2 * kFloorCell)] = eye.z();
       continue;
     }
-    eyes.add(eye, view.reach);
+    viewpoints.add(eye, view.reach);
     Pose map_from_eye = Pose(level_.transpose());
     map_from_eye.translation() = level_.transpose() * eye.cast<double>();
     const auto utime = static_cast<std::int64_t>(archive.keyframes().size() + 1);

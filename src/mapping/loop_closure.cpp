@@ -80,15 +80,17 @@ std::optional<FoundClosure> find_closure(const ClosureRequest& request, const Po
   const Vector6 moved = se3_log(expected.inverse() * found);
   const double gap = moved.dot(inverse(with_floor(covariance)) * moved);
   char text[160];
-  std::snprintf(
-      text, sizeof text, "inlier ratio %.2f of %.2f, moved by %.3f m and %.2f deg, squared gap %.1f",
-      there.health.share, here.health.share, moved.head<3>().norm(), moved.tail<3>().norm() / kDegree, gap);
+  std::snprintf(text, sizeof text,
+                "inlier ratio %.2f of %.2f, moved by %.3f m and %.2f deg, squared gap %.1f",
+                there.health.inlier_ratio, here.health.inlier_ratio, moved.head<3>().norm(),
+                moved.tail<3>().norm() / kDegree, gap);
   *reason = text;
   // No bound by earlier scans: the recent keyframes give the usual inlier ratio.
   const double any_score = std::numeric_limits<double>::infinity();
   Health health = there.health;
-  health.usual_share = here.health.share;
-  if (!explains(there, any_score) || !usual_share(health) || !(gap < kOnceInThousand)) return std::nullopt;
+  health.median_inlier_ratio = here.health.inlier_ratio;
+  if (!explains(there, any_score) || !has_usual_inlier_ratio(health) || !(gap < kOnceInThousand))
+    return std::nullopt;
   Constraint closure;
   closure.from = request.nearest;
   closure.to = request.keyframe.id;

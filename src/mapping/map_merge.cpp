@@ -71,7 +71,7 @@ class Merger {
   bool join(MapMerge* result) {
     const std::vector<std::uint32_t> wanted = spread();
     all_ = wanted.size() + here_.keyframes.size();
-    std::vector<JoinFind> finds;
+    std::vector<JoinResult> finds;
     for (const std::uint32_t id : wanted) {
       tell();
       const std::vector<JoinAnswer> answers = look_for(here_.keyframe(id), {});
@@ -83,7 +83,7 @@ class Merger {
     const auto [agreeing, others] = largest_agreement(finds);
     result->agreeing = agreeing.size();
     result->otherwise = largest_agreement(others).first.size();
-    if (agreeing.size() < kAgreeingFinds || result->otherwise > 1) return false;
+    if (agreeing.size() < kAgreeingSearches || result->otherwise > 1) return false;
     // Repeats the search with which all of them agree, now with their finds, so that it can be accepted.
     const std::vector<JoinAnswer> answers =
         look_for(here_.keyframe(agreeing.front().closure.to), {agreeing.begin() + 1, agreeing.end()});
@@ -177,16 +177,17 @@ class Merger {
 
   /// The largest set of finds that agree with one of them, which comes first; and all finds that do not agree
   /// with that one. Of a keyframe with several agreeing finds one is counted.
-  std::pair<std::vector<JoinFind>, std::vector<JoinFind>> largest_agreement(
-      const std::vector<JoinFind>& finds) const {
-    std::vector<JoinFind> most, rest;
-    for (const JoinFind& find : finds) {
-      std::vector<JoinFind> agreeing = {find}, others;
-      for (const JoinFind& other : finds) {
+  std::pair<std::vector<JoinResult>, std::vector<JoinResult>> largest_agreement(
+      const std::vector<JoinResult>& finds) const {
+    std::vector<JoinResult> most, rest;
+    for (const JoinResult& find : finds) {
+      std::vector<JoinResult> agreeing = {find}, others;
+      for (const JoinResult& other : finds) {
         if (&other == &find) continue;
         const bool agrees = agree(there_.submap.graph, here_.submap.graph, other.closure, find.closure);
-        const bool counted = std::any_of(agreeing.begin(), agreeing.end(),
-                                         [&](const JoinFind& f) { return f.closure.to == other.closure.to; });
+        const bool counted = std::any_of(agreeing.begin(), agreeing.end(), [&](const JoinResult& f) {
+          return f.closure.to == other.closure.to;
+        });
         if (!agrees) others.push_back(other);
         if (agrees && !counted) agreeing.push_back(other);
       }
@@ -212,7 +213,7 @@ class Merger {
 
   /// Searches for a keyframe's surroundings in the parts of the first map that look most like them; the
   /// accepted and pending answers.
-  std::vector<JoinAnswer> look_for(const ArchivedKeyframe& keyframe, const std::vector<JoinFind>& finds) {
+  std::vector<JoinAnswer> look_for(const ArchivedKeyframe& keyframe, const std::vector<JoinResult>& finds) {
     std::vector<JoinAnswer> found;
     JoinRequest request;
     request.closure = around(keyframe);
@@ -251,7 +252,7 @@ class Merger {
       for (ArchivedKeyframe& k : side->keyframes) {
         const Pose& moved = both_.nodes().at(k.id);
         const Eigen::Matrix3d turn = moved.linear() * k.map_from_body.linear().transpose();
-        for (Eigen::Vector3f& stand : k.stands) stand = turn.cast<float>() * stand;
+        for (Eigen::Vector3f& stand : k.body_ups) stand = turn.cast<float>() * stand;
         k.map_from_body = moved;
       }
     }

@@ -23,14 +23,14 @@ struct MapMerge {
 };
 
 /// Found keyframes that have to agree on the relative pose of the maps.
-inline constexpr std::size_t kAgreeingFinds = 3;
+inline constexpr std::size_t kAgreeingSearches = 3;
 
 /// Joins two overlapping maps of unrelated frames. Keyframes from all over the second map are searched for in
-/// the first as join_submaps() does. The maps are joined where at least kAgreeingFinds found keyframes agree
-/// on the relative pose and no two of the other ones agree on another; then loop closures are added along the
-/// overlap, accepted by the rules of close_loop(), and the graph is optimised. Keyframes that no constraints
-/// connect to the frame of their map are left out. z is up in both maps. Deterministic. `progress`: keyframes
-/// done and in total.
+/// the first as join_submaps() does. The maps are joined where at least kAgreeingSearches found keyframes
+/// agree on the relative pose and no two of the other ones agree on another; then loop closures are added
+/// along the overlap, accepted by the rules of close_loop(), and the graph is optimised. Keyframes that no
+/// constraints connect to the frame of their map are left out. z is up in both maps. Deterministic.
+/// `progress`: keyframes done and in total.
 MapMerge merge_maps(const SavedMap& first, const SavedMap& second, const TrackerConfig& config,
                     const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 

@@ -42,23 +42,23 @@ void Mapper::connect_odometry(const ArchivedKeyframe& keyframe) {
   const Pose map_from_keyframe = tracker_.map_from_own() * keyframe.map_from_body;
   active_.graph.add(kOriginNode, Pose::Identity());
   active_.graph.add(keyframe.id, map_from_keyframe);
-  Constraint tie;
-  if (keyframe.tie) tie = *keyframe.tie;
-  if (keyframe.tie && active_.graph.contains(tie.from)) {
-    active_.graph.connect(tie);
+  Constraint constraint;
+  if (keyframe.constraint) constraint = *keyframe.constraint;
+  if (keyframe.constraint && active_.graph.contains(constraint.from)) {
+    active_.graph.connect(constraint);
     return;
   }
-  const ArchivedKeyframe* before = keyframe.tie ? tracker_.archive().find(tie.from) : nullptr;
+  const ArchivedKeyframe* before = keyframe.constraint ? tracker_.archive().find(constraint.from) : nullptr;
   if (before && tracker_.archive().is_fixed(before->id)) {
-    tie.from_to = tracker_.map_from_own() * before->map_from_body * tie.from_to;
+    constraint.from_to = tracker_.map_from_own() * before->map_from_body * constraint.from_to;
   } else {
-    tie.from_to = map_from_keyframe;
-    tie.information =
+    constraint.from_to = map_from_keyframe;
+    constraint.information =
         inverse(Matrix6(tracker_.odometer().drift() + kPoseFloor * kPoseFloor * Matrix6::Identity()));
   }
-  tie.from = kOriginNode;
-  tie.to = keyframe.id;
-  active_.graph.connect(tie);
+  constraint.from = kOriginNode;
+  constraint.to = keyframe.id;
+  active_.graph.connect(constraint);
 }
 
 void Mapper::drop_evicted() {

@@ -40,7 +40,7 @@ TrackedScan Mapper::track(const Scan& scan, const ScanPrior& prior) {
 std::uint32_t Mapper::stamp() {
   const auto& [newest, pose] = *active_.graph.nodes().rbegin();
   const Pose map_from_local = tracker_.map_from_local();
-  const int scans = tracker_.excursion_scans();
+  const int scans = tracker_.lost_odometry_scans();
   if (scans == 0) {
     const bool is_same = open_ && open_->map_from_local.matrix() == map_from_local.matrix();
     const Pose correction =

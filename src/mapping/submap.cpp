@@ -78,17 +78,17 @@ std::vector<Submap> submaps_of(const SavedMap& saved) {
   std::vector<Submap> submaps;
   for (PoseGraph& part : graph.parts()) {
     const auto [first, pose] = *part.nodes().begin();
-    Constraint tie;
-    tie.to = first;
-    tie.from_to = pose;
-    tie.information = Matrix6::Identity() / (kPoseFloor * kPoseFloor);
+    Constraint constraint;
+    constraint.to = first;
+    constraint.from_to = pose;
+    constraint.information = Matrix6::Identity() / (kPoseFloor * kPoseFloor);
     const bool is_single = part.nodes().size() == 1 && first != kOriginNode;
     if (!is_single) submaps.emplace_back().graph = std::move(part);
-    PoseGraph& of_tie = is_single ? submaps.front().graph : submaps.back().graph;
+    PoseGraph& of_constraint = is_single ? submaps.front().graph : submaps.back().graph;
     if (first == kOriginNode) continue;
-    of_tie.add(kOriginNode, Pose::Identity());
-    of_tie.add(first, pose);
-    of_tie.connect_new(tie);
+    of_constraint.add(kOriginNode, Pose::Identity());
+    of_constraint.add(first, pose);
+    of_constraint.connect_new(constraint);
   }
   return submaps;
 }

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "odometry/contest.hpp"
+#include "odometry/hypothesis_test.hpp"
 #include "odometry/tracking_promise.hpp"
 
 namespace scanlock {
@@ -61,7 +61,7 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
     return request.active.graph.nodes().at(keyframe).translation();
   };
   std::vector<double> log_odds = {answer.search.log_odds};
-  for (const JoinFind& find : request.finds) {
+  for (const JoinResult& find : request.finds) {
     const Constraint& earlier = find.closure;
     const bool there = submap.graph.contains(earlier.from) && request.active.graph.contains(earlier.to) &&
                        submap_of(find.nearest_keyframe, request.others) == other;
@@ -90,7 +90,7 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
 }
 
 void JoinSearch::begin() {
-  finds_.clear();
+  search_results_.clear();
   search_.begin(std::nullopt);
   search_.begin_anew();
 }
@@ -113,9 +113,9 @@ void JoinSearch::take(const JoinAnswer& answer) {
                search.cost_s);
 }
 
-void JoinSearch::remember(const JoinFind& find) {
-  finds_.insert(finds_.begin(), find);
-  finds_.resize(std::min(finds_.size(), kMostPlaces));
+void JoinSearch::remember(const JoinResult& find) {
+  search_results_.insert(search_results_.begin(), find);
+  search_results_.resize(std::min(search_results_.size(), kMostPlaces));
 }
 
 }  // namespace scanlock

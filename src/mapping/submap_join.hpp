@@ -15,7 +15,7 @@ namespace scanlock {
 
 /// A hypothesis of how two submaps lie to each other: a keyframe of the active submap, found in another
 /// submap.
-struct JoinFind {
+struct JoinResult {
   Constraint closure;  ///< from a node of the other submap to the keyframe
   std::uint32_t nearest_keyframe = 0;
   double log_odds = 0;  ///< that the find is right, by the search alone
@@ -28,7 +28,7 @@ struct JoinRequest {
   ClosureRequest closure;  ///< `keyframe` and `recent`; `earlier` and `nearest` are not used
   Submap active;
   std::vector<Submap> others;
-  std::vector<JoinFind> finds;  ///< earlier finds of this active submap
+  std::vector<JoinResult> finds;  ///< earlier finds of this active submap
 };
 
 struct JoinAnswer {
@@ -63,14 +63,14 @@ class JoinSearch {
                                       double scene, const KeyframeArchive& elsewhere);
   /// To be called with every answer.
   void take(const JoinAnswer& answer);
-  void remember(const JoinFind& find);
-  const std::vector<JoinFind>& finds() const { return finds_; }
+  void remember(const JoinResult& find);
+  const std::vector<JoinResult>& finds() const { return search_results_; }
 
  private:
   PlaceSearch search_;
   int scans_ = 0;
-  std::uint32_t asked_ = 0;      ///< the last keyframe of is_due()
-  std::vector<JoinFind> finds_;  ///< the newest comes first
+  std::uint32_t asked_ = 0;                 ///< the last keyframe of is_due()
+  std::vector<JoinResult> search_results_;  ///< the newest comes first
 };
 
 }  // namespace scanlock

@@ -27,7 +27,7 @@ void AlignmentCheck::restart(const Pose& pose, std::int64_t time) {
 
 void AlignmentCheck::trust(std::int64_t now, const PreparedScan& scan, const MovingPose& moving,
                            bool witness) {
-  last_ = sighting(now, scan, moving);
+  last_ = trusted_scan(now, scan, moving);
   if (!witness) last_.rays = {};
   distrusted_scans_ = 0;
   looks_alike_ = false;
@@ -53,8 +53,8 @@ bool AlignmentCheck::is_trusted(const Attempt& attempt) const {
 bool AlignmentCheck::is_to_be_confirmed(std::int64_t now, double period_s, const MotionPrior& expected,
                                         const Attempt& attempt) const {
   const double unseen = unseen_s(now);
-  return unseen > std::max(kMoment, 1.5 * period_s) && unseen < kMotionTells && !attempt.health.young &&
-         squared_gap(expected, attempt.alignment.moving) > kUnusualGap;
+  return unseen > std::max(kMoment, 1.5 * period_s) && unseen < kMotionTells &&
+         !attempt.health.short_history && squared_gap(expected, attempt.alignment.moving) > kUnusualGap;
 }
 
 bool AlignmentCheck::is_contradicted(std::int64_t now, const PreparedScan& scan,
@@ -62,8 +62,9 @@ bool AlignmentCheck::is_contradicted(std::int64_t now, const PreparedScan& scan,
   const bool after_gap = unseen_s(now) > kMoment;
   const double most = after_gap ? kMostContradictionAfterGap : kMostContradiction;
   const bool unusual = after_gap || looks_alike_ || gap(attempt) > kUnusualGap ||
-                       attempt.health.score > kFitScore || !usual_share(attempt.health);
-  return unusual && !attempt.health.young && contradiction(last_, now, scan, attempt.alignment.moving) > most;
+                       attempt.health.score > kFitScore || !has_usual_inlier_ratio(attempt.health);
+  return unusual && !attempt.health.short_history &&
+         contradiction(last_, now, scan, attempt.alignment.moving) > most;
 }
 
 }  // namespace scanlock

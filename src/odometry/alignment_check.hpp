@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "odometry/odometer.hpp"
-#include "odometry/sighting.hpp"
+#include "odometry/trusted_scan.hpp"
 
 namespace scanlock {
 
@@ -23,7 +23,7 @@ class AlignmentCheck {
   void distrust(bool contradicted);
 
   /// The last trusted scan.
-  const Sighting& last() const { return last_; }
+  const TrustedScan& last() const { return last_; }
   /// Seconds since the last trusted scan.
   double unseen_s(std::int64_t now) const;
   /// Number of scans since the last trusted one.
@@ -53,7 +53,7 @@ class AlignmentCheck {
   bool is_contradicted(std::int64_t now, const PreparedScan& scan, const Attempt& attempt) const;
 
  private:
-  Sighting last_;
+  TrustedScan last_;
   int distrusted_scans_ = 0;
   bool looks_alike_ = false;
 };

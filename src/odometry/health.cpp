@@ -48,17 +48,17 @@ Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vec
   if (!residuals.empty())
     health.overlap = static_cast<double>(matched) / static_cast<double>(residuals.size());
   if (!residuals.empty())
-    health.share = static_cast<double>(health.inliers) / static_cast<double>(residuals.size());
-  health.young = count_ < kYoung;
+    health.inlier_ratio = static_cast<double>(health.inliers) / static_cast<double>(residuals.size());
+  health.short_history = count_ < kShortHistory;
   if (count_ > 0) {
-    health.usual_share =
-        median({shares_.begin(), shares_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, kHistory))});
+    health.median_inlier_ratio =
+        median({inlier_ratios_.begin(),
+                inlier_ratios_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, kHistory))});
     std::vector<double> recent(history_.begin(),
                                history_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, kHistory)));
     health.baseline = median(recent);
     for (double& energy : recent) energy = std::abs(energy - health.baseline);
     const double spread = std::max(1.4826 * median(recent), kLeastSpread);
-    health.rise = (health.energy - health.baseline) / spread;
     health.score = (health.energy - health.baseline) / std::max(spread, chance);
   }
   return health;
@@ -66,7 +66,7 @@ Health HealthMonitor::assess(const std::vector<float>& residuals, const std::vec
 
 void HealthMonitor::remember(const Health& health) {
   history_[count_ % kHistory] = health.energy;
-  shares_[count_++ % kHistory] = health.share;
+  inlier_ratios_[count_++ % kHistory] = health.inlier_ratio;
 }
 
 }  // namespace scanlock

@@ -17,15 +17,15 @@ inline bool is_inlier(float distance, double scale) {
 
 /// How well an alignment explains its scan, compared with recent alignments.
 struct Health {
-  double energy = 1;       ///< weighted mean of Welsch's function of the residuals at a fixed scale, 0 to 1
-  double overlap = 0;      ///< share of the source points that met a surface
-  double baseline = 0;     ///< running median of the energy, over the history
-  bool young = true;       ///< history length below five: the map is thin
-  double rise = 0;         ///< energy less baseline, in robust standard deviations of the history
-  double score = 0;        ///< z-score: as `rise`, but in units of `chance` (see assess) where that is larger
-  int inliers = 0;         ///< number of source points with is_inlier()
-  double share = 0;        ///< inlier ratio: inliers over source points
-  double usual_share = 0;  ///< running median of the inlier ratio; 0 without a history
+  double energy = 1;    ///< weighted mean of Welsch's function of the residuals at a fixed scale, 0 to 1
+  double overlap = 0;   ///< share of the source points that met a surface
+  double baseline = 0;  ///< running median of the energy, over the history
+  bool short_history = true;  ///< history length below five: the map is thin
+  double score = 0;  ///< z-score: energy less baseline, in robust standard deviations of the history, or in
+                     ///< units of `chance` (see assess) where that is larger
+  int inliers = 0;                 ///< number of source points with is_inlier()
+  double inlier_ratio = 0;         ///< inlier ratio: inliers over source points
+  double median_inlier_ratio = 0;  ///< running median of the inlier ratio; 0 without a history
 };
 
 /// Standard deviation, by chance, of the energy of a whole scan of a planar sensor with this many points.
@@ -53,9 +53,9 @@ class HealthMonitor {
   static constexpr std::size_t kHistory = 10;
 
  private:
-  static constexpr std::size_t kYoung = 5;             // scans
-  std::array<double, kHistory> history_{}, shares_{};  ///< energies and inlier ratios, in ring buffers
-  std::size_t count_ = 0;                              ///< number of remember() since the last forget()
+  static constexpr std::size_t kShortHistory = 5;             // scans
+  std::array<double, kHistory> history_{}, inlier_ratios_{};  ///< energies and inlier ratios, in ring buffers
+  std::size_t count_ = 0;  ///< number of remember() since the last forget()
 };
 
 }  // namespace scanlock

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "odometry/excursion.hpp"
 #include "odometry/keyframe_archive.hpp"
+#include "odometry/lost_mode_odometry.hpp"
 
 namespace scanlock {
 
@@ -11,6 +11,7 @@ namespace scanlock {
 /// third of `reach`. Their poses follow from `map_from_predicted`, the correction that relocalisation found,
 /// and their covariances from the covariance of lost-mode odometry, transformed to the keyframe. `reach`:
 /// metres, median range of the current scan.
-void join(const Excursion& excursion, const Pose& map_from_predicted, double reach, KeyframeArchive* archive);
+void join(const LostModeOdometry& lost_odometry, const Pose& map_from_predicted, double reach,
+          KeyframeArchive* archive);
 
 }  // namespace scanlock

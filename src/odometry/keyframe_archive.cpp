@@ -17,13 +17,13 @@ namespace {
 constexpr std::int64_t kFresh = 60000000;  // microseconds: the drift within a minute is negligible
 constexpr double kNeighbourhood = 20.0;    // metres
 constexpr std::size_t kMostPoints = 3000;  // of a keyframe
-constexpr double kLeastTie = 1e-8;         // least variance: (0.1 mm)^2 and (0.1 mrad)^2
-constexpr float kStandStep = 0.05F;        // radians, between two attitudes that count as different
+constexpr double kLeastVariance = 1e-8;    // least variance: (0.1 mm)^2 and (0.1 mrad)^2
+constexpr float kBodyUpStep = 0.05F;       // radians, between two attitudes that count as different
 
 template <typename Vector>
-bool stands_alike(const std::vector<Vector>& stands, const Vector& up) {
-  const auto least = cos(static_cast<typename Vector::Scalar>(kStandStep));
-  return std::any_of(stands.begin(), stands.end(),
+bool stands_alike(const std::vector<Vector>& body_ups, const Vector& up) {
+  const auto least = cos(static_cast<typename Vector::Scalar>(kBodyUpStep));
+  return std::any_of(body_ups.begin(), body_ups.end(),
                      [&](const Vector& other) { return up.dot(other) > least; });
 }
 
@@ -38,9 +38,10 @@ bool is_fresh(const ArchivedKeyframe& k, std::int64_t utime) {
 
 }  // namespace
 
-Constraint tie_to(const ArchivedKeyframe& before, const Pose& map_from_here, const Matrix6& covariance) {
+Constraint constraint_to(const ArchivedKeyframe& before, const Pose& map_from_here,
+                         const Matrix6& covariance) {
   return {before.id, 0, before.map_from_body.inverse() * map_from_here,
-          inverse(Matrix6(covariance + kLeastTie * Matrix6::Identity()))};
+          inverse(Matrix6(covariance + kLeastVariance * Matrix6::Identity()))};
 }
 
 SavedMap moved(const SavedMap& map, const Pose& there_from_here) {
@@ -50,7 +51,7 @@ SavedMap moved(const SavedMap& map, const Pose& there_from_here) {
   const Eigen::Matrix3f turn = there_from_here.linear().cast<float>();
   for (ArchivedKeyframe& keyframe : result.keyframes) {
     keyframe.map_from_body = renormalised(there_from_here * keyframe.map_from_body);
-    for (Eigen::Vector3f& stand : keyframe.stands) stand = turn * stand;
+    for (Eigen::Vector3f& stand : keyframe.body_ups) stand = turn * stand;
   }
   return result;
 }
@@ -81,7 +82,7 @@ double KeyframeArchive::scene(const Eigen::Vector3d& position) const {
 }
 
 void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double reach,
-                          const PointCloud& points, const std::optional<Constraint>& tie) {
+                          const PointCloud& points, const std::optional<Constraint>& constraint) {
   PointCloud thin;
   thin.x = points.x;
   thin.y = points.y;
@@ -94,7 +95,7 @@ void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double 
   keyframe.map_from_body = map_from_body;
   keyframe.reach = static_cast<float>(reach);
   keyframe.points = std::move(thin);
-  keyframe.tie = tie;
+  keyframe.constraint = constraint;
   keyframe.signature = signature_of(keyframe);
   append(std::move(keyframe));
   evict();
@@ -103,7 +104,7 @@ void KeyframeArchive::add(std::int64_t utime, const Pose& map_from_body, double 
 /// The constraint of the keyframe, if any, has to be from an archived keyframe.
 void KeyframeArchive::append(ArchivedKeyframe keyframe) {
   keyframe.id = next_id_++;
-  if (keyframe.tie) keyframe.tie->to = keyframe.id;
+  if (keyframe.constraint) keyframe.constraint->to = keyframe.id;
   keyframes_.push_back(std::move(keyframe));
 }
 
@@ -112,9 +113,9 @@ void KeyframeArchive::replace(std::uint32_t gone, std::uint32_t kept) {
     return std::find_if(keyframes_.begin(), keyframes_.end(),
                         [id](const ArchivedKeyframe& k) { return k.id == id; });
   };
-  std::vector<Eigen::Vector3f>& stands = at(kept)->stands;
-  for (const Eigen::Vector3f& up : at(gone)->stands)
-    if (stands.size() < kMostStands && !stands_alike(stands, up)) stands.push_back(up);
+  std::vector<Eigen::Vector3f>& body_ups = at(kept)->body_ups;
+  for (const Eigen::Vector3f& up : at(gone)->body_ups)
+    if (body_ups.size() < kMostBodyUps && !stands_alike(body_ups, up)) body_ups.push_back(up);
   keyframes_.erase(at(gone));
   count_points();
 }
@@ -125,7 +126,7 @@ void KeyframeArchive::move(const std::map<std::uint32_t, Pose>& map_from_body) {
     if (moved == map_from_body.end()) continue;
     const Eigen::Matrix3f turn =
         (moved->second.linear() * keyframe.map_from_body.linear().transpose()).cast<float>();
-    for (Eigen::Vector3f& stand : keyframe.stands) stand = turn * stand;
+    for (Eigen::Vector3f& stand : keyframe.body_ups) stand = turn * stand;
     keyframe.map_from_body = moved->second;
   }
 }
@@ -146,11 +147,11 @@ std::size_t KeyframeArchive::nearest_index(const Eigen::Vector3d& position) cons
   return static_cast<std::size_t>(nearest - keyframes_.begin());
 }
 
-void KeyframeArchive::note_stand(const Pose& map_from_body) {
+void KeyframeArchive::note_body_up(const Pose& map_from_body) {
   if (keyframes_.empty()) return;
-  std::vector<Eigen::Vector3f>& stands = keyframes_[nearest_index(map_from_body.translation())].stands;
+  std::vector<Eigen::Vector3f>& body_ups = keyframes_[nearest_index(map_from_body.translation())].body_ups;
   const Eigen::Vector3f up = map_from_body.linear().col(2).cast<float>();
-  if (stands.size() < kMostStands && !stands_alike(stands, up)) stands.push_back(up);
+  if (body_ups.size() < kMostBodyUps && !stands_alike(body_ups, up)) body_ups.push_back(up);
 }
 
 std::string KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes, bool fixed) {
@@ -168,12 +169,12 @@ std::string KeyframeArchive::restore(std::vector<ArchivedKeyframe> keyframes, bo
       keyframes_[i].signature =
           std::make_shared<const PlaceSignature>(PointCloud(), Eigen::Matrix3f::Identity());
     }
-    keyframes_[i].tie.reset();
+    keyframes_[i].constraint.reset();
     if (i == 0) continue;
     const ArchivedKeyframe& before = keyframes_[i - 1];
-    keyframes_[i].tie =
-        tie_to(before, keyframes_[i].map_from_body, kPoseFloor * kPoseFloor * Matrix6::Identity());
-    keyframes_[i].tie->to = keyframes_[i].id;
+    keyframes_[i].constraint =
+        constraint_to(before, keyframes_[i].map_from_body, kPoseFloor * kPoseFloor * Matrix6::Identity());
+    keyframes_[i].constraint->to = keyframes_[i].id;
   }
   evict();
   return fault;
@@ -189,10 +190,10 @@ double KeyframeArchive::begin_submap(const KeyframeArchive& seen) {
   std::map<std::uint32_t, std::uint32_t> ids;  // in this archive, by id in `seen`
   for (ArchivedKeyframe k : seen.keyframes_) {
     ids.emplace(k.id, next_id_);
-    if (const auto from = k.tie ? ids.find(k.tie->from) : ids.end(); from != ids.end())
-      k.tie->from = from->second;
+    if (const auto from = k.constraint ? ids.find(k.constraint->from) : ids.end(); from != ids.end())
+      k.constraint->from = from->second;
     else
-      k.tie.reset();
+      k.constraint.reset();
     append(std::move(k));
   }
   evict();
@@ -235,8 +236,8 @@ void KeyframeArchive::evict() {
                    keyframes_.begin() + static_cast<std::ptrdiff_t>(gone));
 }
 
-std::vector<Eigen::Vector3d> stands_around(const std::vector<ArchivedKeyframe>& keyframes,
-                                           const Eigen::Vector3d& centre, double radius) {
+std::vector<Eigen::Vector3d> body_ups_around(const std::vector<ArchivedKeyframe>& keyframes,
+                                             const Eigen::Vector3d& centre, double radius) {
   std::vector<Eigen::Vector3d> all;
   const auto take = [&](const Eigen::Vector3d& up) {
     if (!stands_alike(all, up)) all.push_back(up);
@@ -244,7 +245,7 @@ std::vector<Eigen::Vector3d> stands_around(const std::vector<ArchivedKeyframe>& 
   for (const ArchivedKeyframe& k : keyframes) {
     if ((k.map_from_body.translation() - centre).norm() > radius) continue;
     take(k.map_from_body.linear().col(2));
-    for (const Eigen::Vector3f& up : k.stands) take(up.cast<double>().normalized());
+    for (const Eigen::Vector3f& up : k.body_ups) take(up.cast<double>().normalized());
   }
   return all;
 }
@@ -271,7 +272,7 @@ PointCloud submap_around(const std::vector<ArchivedKeyframe>& keyframes, const E
       const Eigen::Vector3f p = rotation * points->point(i) + translation;
       if (!(p.head<2>().squaredNorm() < radius2)) continue;
       all.points().push_back(p);
-      all.points().eyes.push_back(translation);
+      all.points().viewpoints.push_back(translation);
     }
     all.settle();
   }

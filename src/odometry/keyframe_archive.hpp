@@ -30,23 +30,24 @@ struct ArchivedKeyframe {
   KeyframePoints points = {};             ///< x y z only, deskewed and thinned, body frame
   /// Body-up attitudes observed near this keyframe: z axes of the body, unit, axes of the map, at least 0.05
   /// rad apart.
-  std::vector<Eigen::Vector3f> stands = {};
+  std::vector<Eigen::Vector3f> body_ups = {};
   std::uint32_t id = 0;  ///< counted from 1, in the order of addition
   /// From an earlier keyframe to this one, by odometry or, after a relocalisation, by the alignment there;
   /// none for the first keyframe.
-  std::optional<Constraint> tie = std::nullopt;
+  std::optional<Constraint> constraint = std::nullopt;
   std::shared_ptr<const PlaceSignature> signature = nullptr;  ///< never null in an archive
 };
 
 /// The constraint from an archived keyframe to a pose whose keyframe has no id yet. `covariance`: right
 /// perturbation, [metres; radians].
-Constraint tie_to(const ArchivedKeyframe& before, const Pose& map_from_here, const Matrix6& covariance);
+Constraint constraint_to(const ArchivedKeyframe& before, const Pose& map_from_here,
+                         const Matrix6& covariance);
 
 /// Metres along x between submaps whose relative pose is unknown: more than a robot drives before the oldest
 /// keyframes of its archive are evicted.
 inline constexpr double kSubmapsApart = 2e4;
 
-inline constexpr std::size_t kMostStands = 32;  ///< body-up attitudes per keyframe
+inline constexpr std::size_t kMostBodyUps = 32;  ///< body-up attitudes per keyframe
 
 /// The state that outlives a run: the content of a map file.
 struct SavedMap {
@@ -78,11 +79,11 @@ class KeyframeArchive {
   /// Precondition: not empty.
   double scene(const Eigen::Vector3d& position) const;
   /// Adds a keyframe; its points are thinned. `utime`: microseconds; `reach`: metres, median range of the
-  /// scan; `points`: body frame, any density; `tie`: from an archived keyframe, see tie_to().
+  /// scan; `points`: body frame, any density; `tie`: from an archived keyframe, see constraint_to().
   void add(std::int64_t utime, const Pose& map_from_body, double reach, const PointCloud& points,
-           const std::optional<Constraint>& tie = std::nullopt);
+           const std::optional<Constraint>& constraint = std::nullopt);
   /// Adds the body-up attitude to the nearest keyframe: on slopes it differs between nearby positions.
-  void note_stand(const Pose& map_from_body);
+  void note_body_up(const Pose& map_from_body);
   /// Replaces all keyframes by those of a saved map, which are never evicted and do not count for the cap.
   /// Their ids are positions in the list, counted from 1; each gets a nearly rigid constraint to the one
   /// before. `fixed`: they are not to be moved or replaced, either. Returns why the stored points of a
@@ -130,8 +131,8 @@ class KeyframeArchive {
 
 /// The different body-up attitudes observed within `radius` metres of `centre` (map frame): z axes of the
 /// body, unit, axes of the map.
-std::vector<Eigen::Vector3d> stands_around(const std::vector<ArchivedKeyframe>& keyframes,
-                                           const Eigen::Vector3d& centre, double radius);
+std::vector<Eigen::Vector3d> body_ups_around(const std::vector<ArchivedKeyframe>& keyframes,
+                                             const Eigen::Vector3d& centre, double radius);
 
 /// The keyframes that may have points within `radius` metres (horizontally) of `centre` (map frame): those
 /// within `radius` plus four times their reach.

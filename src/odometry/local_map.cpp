@@ -44,7 +44,7 @@ LocalMap::LocalMap(const LocalMapLimits& limits) : limits_(limits) {}
 void LocalMap::clear() {
   keyframes_.clear();
   cloud_ = {};
-  last_seen_.clear();
+  last_trusted_.clear();
   shown_.clear();
   taken_.clear();
   ground_.clear();
@@ -157,13 +157,13 @@ void LocalMap::forget(const Eigen::Vector3d& here, const LocalMapLimits& limits)
   std::size_t points = keyframes_.back().points.size();
   for (const Keyframe& k : keyframes_) kept.insert(k.id);
   // The cap counts points of the map; the oldest own keyframes are removed.
-  for (std::size_t i = 0; i < cloud_.size(); ++i) points += shown_[i] > 0 || kept.count(last_seen_[i]) > 0;
+  for (std::size_t i = 0; i < cloud_.size(); ++i) points += shown_[i] > 0 || kept.count(last_trusted_[i]) > 0;
   // Leaves room for the points that are added before the next rebuild.
   auto most = static_cast<std::size_t>(limits.max_points);
   most -= most / kFreshShare;
   for (; points > most && own > 1; --own) {
     const auto gone = oldest();
-    points -= static_cast<std::size_t>(std::count(last_seen_.begin(), last_seen_.end(), gone->id));
+    points -= static_cast<std::size_t>(std::count(last_trusted_.begin(), last_trusted_.end(), gone->id));
     kept.erase(gone->id);
     keyframes_.erase(gone);
   }
@@ -174,16 +174,16 @@ void LocalMap::forget(const Eigen::Vector3d& here, const LocalMapLimits& limits)
 void LocalMap::forget_points() {
   std::unordered_set<std::uint32_t> kept;
   for (const Keyframe& k : keyframes_) kept.insert(k.id);
-  std::vector<std::uint32_t> stay, last_seen, shown, now(cloud_.size(), VoxelIndex::kGone);
+  std::vector<std::uint32_t> stay, last_trusted, shown, now(cloud_.size(), VoxelIndex::kGone);
   for (std::uint32_t i = 0; i < cloud_.size(); ++i) {
-    if (shown_[i] == 0 && !kept.count(last_seen_[i])) continue;
+    if (shown_[i] == 0 && !kept.count(last_trusted_[i])) continue;
     now[i] = static_cast<std::uint32_t>(stay.size());
     stay.push_back(i);
-    last_seen.push_back(last_seen_[i]);
+    last_trusted.push_back(last_trusted_[i]);
     shown.push_back(shown_[i]);
   }
   cloud_ = select(cloud_, stay);
-  last_seen_ = std::move(last_seen);
+  last_trusted_ = std::move(last_trusted);
   shown_ = std::move(shown);
   taken_.renumber(now);
   note_ground();
@@ -198,7 +198,7 @@ void LocalMap::move_origin(const Eigen::Vector3d& here) {
     cloud_.x[i] += shift.x();
     cloud_.y[i] += shift.y();
     cloud_.z[i] += shift.z();
-    cloud_.eyes[i] += shift;
+    cloud_.viewpoints[i] += shift;
   }
 }
 
@@ -215,7 +215,7 @@ void LocalMap::note_ground() {
   const auto inverse_cell = static_cast<float>(1.0 / (kSurfaceVoxels * voxel_));
   ground_.clear();
   for (std::uint32_t i = 0; i < cloud_.size(); ++i)
-    ground_.insert(voxel_key(cloud_.point(i), inverse_cell), last_seen_[i]);
+    ground_.insert(voxel_key(cloud_.point(i), inverse_cell), last_trusted_[i]);
 }
 
 template <typename Visit>
@@ -239,17 +239,17 @@ std::size_t LocalMap::add_novel_points(const Keyframe& keyframe) {
     const std::uint32_t point = taken_.insert(key, next);
     if (point == next) {
       cloud_.push_back(p);
-      last_seen_.push_back(keyframe.id);
+      last_trusted_.push_back(keyframe.id);
       shown_.push_back(0);
-      cloud_.eyes.push_back(eye);
+      cloud_.viewpoints.push_back(eye);
       cloud_.alone.push_back(keyframe.points.is_alone(i));
     } else if (!keyframe.given) {
-      last_seen_[point] = keyframe.id;
+      last_trusted_[point] = keyframe.id;
     } else if (shown_[point] == 0) {
       cloud_.x[point] = p.x();
       cloud_.y[point] = p.y();
       cloud_.z[point] = p.z();
-      cloud_.eyes[point] = eye;
+      cloud_.viewpoints[point] = eye;
       cloud_.alone[point] = keyframe.points.is_alone(i);
     }
     if (keyframe.given) ++shown_[point];
@@ -278,7 +278,7 @@ PointCloud LocalMap::around(const Eigen::Vector3d& centre, double radius) const 
     const Eigen::Vector3f p = cloud_.point(i) - here;
     if (!(p.head<2>().squaredNorm() < radius2)) continue;
     near.push_back(p);
-    near.eyes.push_back(cloud_.eyes[i] - here);
+    near.viewpoints.push_back(cloud_.viewpoints[i] - here);
   }
   return near;
 }

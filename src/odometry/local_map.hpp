@@ -97,7 +97,7 @@ class LocalMap {
   PointCloud cloud_;  ///< relative to origin_
   /// For each point: the id of the last own keyframe with a point in its voxel, or else of the given keyframe
   /// that added it.
-  std::vector<std::uint32_t> last_seen_;
+  std::vector<std::uint32_t> last_trusted_;
   std::vector<std::uint32_t> shown_;  ///< for each point: number of points of given keyframes in its voxel
   bool planar_ = false;
   double voxel_ = 0;   ///< metres, of the grid of `taken_`

@@ -222,7 +222,7 @@ double Odometer::patch(const PreparedScan& scan) {
 
 Attempt Odometer::look_far(const PreparedScan& scan, const MotionPrior& prior, Sides sides) {
   Attempt best = align(scan, prior, Reach::kFar, sides);
-  const bool turned_unseen = prior.ahead_s > kMoment && !usual_share(best.health);
+  const bool turned_unseen = prior.ahead_s > kMoment && !has_usual_inlier_ratio(best.health);
   if (!turned_unseen && (!map_.planar() || best.health.score <= kFitScore)) return best;
   for (const double turn : kTurns) {
     MotionPrior turned = prior;
@@ -259,7 +259,7 @@ double Odometer::variance() const {
 }
 
 void Odometer::accept(const Attempt& attempt) {
-  share_ += 0.3 * (std::max(attempt.health.share, kLeastShare) - share_);
+  share_ += 0.3 * (std::max(attempt.health.inlier_ratio, kLeastShare) - share_);
   const double seen = std::max(1.4826 * attempt.alignment.median_residual, kLeastSigma);
   sigma_ += 1.0 / HealthMonitor::kHistory * (std::min(seen, 2.0 * sigma_) - sigma_);
   const Pose before = filter_.state().pose;
@@ -334,12 +334,12 @@ void Odometer::insert(std::int64_t utime, const PreparedScan& scan, const Moving
 bool explains(const Attempt& attempt, double most_score) {
   const Health& h = attempt.health;
   return attempt.alignment.moving.pose.matrix().allFinite() && h.score < most_score &&
-         h.energy < (h.young ? kMostAtFirst : kMostEnergy) && h.overlap > kLeastOverlap &&
+         h.energy < (h.short_history ? kMostAtFirst : kMostEnergy) && h.overlap > kLeastOverlap &&
          h.inliers >= static_cast<int>(kLeastPoints);
 }
 
-bool usual_share(const Health& health) {
-  return health.share >= kLeastOfUsualShare * health.usual_share;
+bool has_usual_inlier_ratio(const Health& health) {
+  return health.inlier_ratio >= kLeastOfUsualShare * health.median_inlier_ratio;
 }
 
 PreparedScan part_of(const PreparedScan& scan, std::size_t points) {

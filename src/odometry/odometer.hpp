@@ -194,7 +194,7 @@ bool explains(const Attempt& attempt, double most_score);
 
 /// Whether the inlier ratio is at least 0.8 of its running median. A lower one indicates new ground or
 /// another place.
-bool usual_share(const Health& health);
+bool has_usual_inlier_ratio(const Health& health);
 
 /// The same scan with about `points` points to align.
 PreparedScan part_of(const PreparedScan& scan, std::size_t points);

@@ -21,7 +21,7 @@ constexpr double kVoxel = 0.0675;     // of the scene's size
 constexpr double kStep = 1.35;        // ratio of a scale to the one before
 // Where more body-up attitudes than this were recorded, the body takes others, too. A search that allows for
 // them takes several times as long.
-constexpr std::size_t kManyStands = 4;
+constexpr std::size_t kManyBodyUps = 4;
 constexpr double kTilt = 0.01, kRoughTilt = 0.025;  // radians
 constexpr double kOffset = 20.0;  // metres: of the robot from the anchor, or from the centre of a narrow part
 
@@ -152,8 +152,8 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   // measurement is bad.
   if (up && (turn_ / round_) % 2 == 0) request.source_up = seen.up;
   if (!request.source_up)
-    request.stands = stands_around(target.places, target.centre, target.radius - target.source_radius);
-  rough_ = request.stands.size() > kManyStands;
+    request.body_ups = body_ups_around(target.places, target.centre, target.radius - target.source_radius);
+  rough_ = request.body_ups.size() > kManyBodyUps;
   request.tilt = rough_ && careful_ ? kRoughTilt : kTilt;
   elsewhere_ = !at_anchor;
   out_ = true;

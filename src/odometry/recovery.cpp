@@ -166,7 +166,7 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   const Pose to_level = Pose(level) * Eigen::Translation3d(-request.target.centre);
   for (const Pose& pose : request.undecided)
     registration.proposals.push_back(to_level * pose * to_stand.inverse());
-  for (const Eigen::Vector3d& up : request.stands) registration.target_ups.push_back(level * up);
+  for (const Eigen::Vector3d& up : request.body_ups) registration.target_ups.push_back(level * up);
   const CloudRegistration found = register_clouds(source, target.description, registration, &target.check());
 
   RecoveryAnswer answer;
@@ -183,9 +183,9 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
     return to_level.inverse() * target_from_source * to_stand;
   };
   answer.map_from_predicted = correction(found.target_from_source);
-  for (const Pose& rival : found.rivals) answer.rivals.push_back(correction(rival));
-  for (const Hypothesis& place : found.standing) {
-    if (place.fit.overlap < kMostIsThere) answer.standing.push_back(correction(place.refined));
+  for (const Pose& runner_up : found.runners_up) answer.runners_up.push_back(correction(runner_up));
+  for (const Hypothesis& place : found.uncontradicted) {
+    if (place.fit.overlap < kMostIsThere) answer.uncontradicted.push_back(correction(place.refined));
   }
   answer.matches = static_cast<int>(found.solution.matches);
   answer.matches_kept = static_cast<int>(found.solution.matches_after_pruning);

@@ -41,7 +41,7 @@ struct RecoveryRequest {
   Eigen::Vector3d body_up = Eigen::Vector3d::UnitZ();
   /// The directions that body_up may have at the robot's place, axes of the map, unit; empty where up is
   /// measured.
-  std::vector<Eigen::Vector3d> stands;
+  std::vector<Eigen::Vector3d> body_ups;
   /// The upward direction by an attitude sensor, axes of the predicted map frame: valid also on slopes on
   /// which the robot never stood.
   std::optional<Eigen::Vector3d> source_up;
@@ -66,9 +66,9 @@ inline constexpr std::ptrdiff_t kAgreeing = 1, kPlanarAgreeing = 3;
 /// Largest contradiction (see CloudFit) of a search result by which submaps may be joined.
 inline constexpr double kSoundContradiction = 0.015;
 /// Log odds that a hypothesis is right, from all searches that name it (see CloudRegistration) and from the
-/// scans that follow (see Contest::log_odds()), from which on it is accepted. With all search results put to
-/// the test, none of 990 scans in maps of other buildings had more than 0.2, and 98 % of 1052 at the right
-/// place had 5 and more.
+/// scans that follow (see HypothesisTest::log_odds()), from which on it is accepted. With all search results
+/// put to the test, none of 990 scans in maps of other buildings had more than 0.2, and 98 % of 1052 at the
+/// right place had 5 and more.
 inline constexpr double kBelieved = 5.0;
 /// Bound on the log odds that the scans add, positive or negative.
 inline constexpr double kMostOfScans = 10.0;
@@ -80,7 +80,7 @@ inline constexpr double kInOwnMap = 3.0;
 /// all are negative, the number nearest to zero counts whole.
 double together(std::vector<double> log_odds);
 /// Hypotheses that are tested at once, and search results that are remembered: caps on their cost.
-inline constexpr std::size_t kMostPlaces = 5, kMostFinds = 20;
+inline constexpr std::size_t kMostPlaces = 5, kMostResults = 20;
 
 /// Radius of the part of a map that is searched at once, over the radius of the source: in a building the
 /// part is the whole map, so that all places that look alike are hypotheses of one search.
@@ -92,10 +92,10 @@ struct RecoveryAnswer {
   std::int64_t utime = 0;
   PlaceVerdict verdict = PlaceVerdict::kNotHere;
   Pose map_from_predicted = Pose::Identity();  ///< corrects predicted poses; of the likeliest hypothesis
-  std::vector<Pose> rivals;                    ///< the same, of the other hypotheses
+  std::vector<Pose> runners_up;                ///< the same, of the other hypotheses
   /// Those of the request's `undecided` that the map does not contradict, though it lacks much of the source
   /// there.
-  std::vector<Pose> standing;
+  std::vector<Pose> uncontradicted;
   /// Of the largest consensus, which need not be that of the likeliest hypothesis.
   int matches = 0, matches_kept = 0, consensus = 0, upper_bound = 0, runner_up_consensus = 0;
   bool certified = false;

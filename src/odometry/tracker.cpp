@@ -13,7 +13,7 @@
 #include "odometry/given_ground.hpp"
 #include "odometry/join.hpp"
 #include "odometry/odometer.hpp"
-#include "odometry/relocation.hpp"
+#include "odometry/relocalisation.hpp"
 #include "odometry/scan_preparation.hpp"
 #include "odometry/timeline.hpp"
 #include "odometry/tracking_promise.hpp"
@@ -29,8 +29,8 @@ constexpr int kAttitudes = 100;         // over which the upward direction is av
 constexpr double kCovered = 0.5;        // least ratio of the numbers of points of the first two scans
 constexpr int kFalseStarts = 3;         // scans that do not fit the first one, which is then replaced
 
-Eigen::Vector3d up_in_body(const ScanPrior& hints) {
-  return hints.level_from_body->conjugate() * Eigen::Vector3d::UnitZ();
+Eigen::Vector3d up_in_body(const ScanPrior& auxiliary) {
+  return auxiliary.level_from_body->conjugate() * Eigen::Vector3d::UnitZ();
 }
 
 }  // namespace
@@ -68,14 +68,14 @@ struct Tracker::State {
   std::string map_fault;  // to be reported with the next scan
   GivenGround given_ground;
 
-  Relocation relocation;
+  Relocalisation relocalisation;
 
   explicit State(const TrackerConfig& c)
       : config(c),
         scale(c.map_points_per_scan, c.min_voxel_m, c.max_voxel_m),
         odometer(std::make_unique<Odometer>(c)),
         archive(static_cast<std::size_t>(c.max_archive_points)),
-        relocation(c) {}
+        relocalisation(c) {}
 
   void finished(Stage stage) const {
     if (observer) observer(stage);
@@ -98,9 +98,9 @@ struct Tracker::State {
   }
 
   /// The predicted state at this scan: by the velocity, or by the motion that another sensor measured.
-  MotionPrior predict(const ScanPrior& hints = {}) const {
+  MotionPrior predict(const ScanPrior& auxiliary = {}) const {
     const auto after = [&](double seconds) {
-      return hints.motion ? odometer->predict(seconds, *hints.motion) : odometer->predict(seconds);
+      return auxiliary.motion ? odometer->predict(seconds, *auxiliary.motion) : odometer->predict(seconds);
     };
     MotionPrior prior = after(time.elapsed_s());
     if (time.most_elapsed_s() > time.elapsed_s())
@@ -109,9 +109,9 @@ struct Tracker::State {
   }
 
   /// Updates the mean upward direction of the map with the attitude at a trusted scan.
-  void note_attitude(const ScanPrior& hints) {
-    if (!hints.level_from_body) return;
-    const Eigen::Vector3d seen = odometer->state().pose.linear() * up_in_body(hints);
+  void note_attitude(const ScanPrior& auxiliary) {
+    if (!auxiliary.level_from_body) return;
+    const Eigen::Vector3d seen = odometer->state().pose.linear() * up_in_body(auxiliary);
     attitudes = std::min(attitudes + 1, kAttitudes);
     up = (up + (seen - up) / attitudes).normalized();
   }
@@ -130,7 +130,8 @@ struct Tracker::State {
     if (check.distrusted_scans() > 0) return odometer->probe(scan, prior, Reach::kNear);
     Attempt best = odometer->align(scan, prior, Reach::kNear);
     // After a gap the heading may be another, and rooms look alike in several headings.
-    if (explains(best, kFitScore) && (unseen_s() < kMoment || usual_share(best.health))) return best;
+    if (explains(best, kFitScore) && (unseen_s() < kMoment || has_usual_inlier_ratio(best.health)))
+      return best;
     // The far reach takes long, so it is done with part of the points: the next scan must not wait.
     const PreparedScan part = part_of(scan, kLookPoints);
     MotionPrior loose = loosened(prior);
@@ -150,7 +151,7 @@ struct Tracker::State {
   double unseen_s() const { return check.unseen_s(time.now()); }
 
   /// A scan of a robot that is not lost: predict, align, decide, fuse.
-  void track_on(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
+  void track_on(const PreparedScan& scan, const ScanPrior& auxiliary, TrackedScan* tracked) {
     MotionPrior prior = predict();
     if (odometer->awaits_second()) {  // no motion follows from two scans if the sensor was covered at one
       const double more = odometer->for_one_of_first(scan);
@@ -163,8 +164,8 @@ struct Tracker::State {
     }
     Attempt attempt = odometer->deskew_first(scan, time.elapsed_s(), align_or_retry(scan, prior), true);
     // Auxiliary odometry decides only where the scans do not suffice.
-    const MotionPrior expected = hints.motion ? predict(hints) : prior;
-    if (hints.motion && !check.is_trusted(attempt)) {
+    const MotionPrior expected = auxiliary.motion ? predict(auxiliary) : prior;
+    if (auxiliary.motion && !check.is_trusted(attempt)) {
       prior = expected;
       Attempt hinted = odometer->align(scan, prior, Reach::kNear);
       if (check.is_trusted(hinted)) attempt = std::move(hinted);
@@ -176,7 +177,7 @@ struct Tracker::State {
                              check.is_to_be_confirmed(time.now(), time.period_s(), expected, attempt);
     finished(Stage::kAlign);
     if (fits && !contradicted && !unconfirmed) {
-      if (hints.motion) attempt.told = expected.mean;
+      if (auxiliary.motion) attempt.told = expected.mean;
       trust(scan, attempt);
       describe(attempt, PoseMethod::kIcp, tracked);
       return;
@@ -185,24 +186,24 @@ struct Tracker::State {
     // The alignment is still likelier than the prediction; local relocalisation begins there.
     if (unconfirmed) prior.mean = attempt.alignment.moving;
     distrust(prior, contradicted || unconfirmed);
-    if (unconfirmed && !relocation.lost()) lose();
+    if (unconfirmed && !relocalisation.lost()) lose();
     if (state == TrackingState::kInitialising) {
       if (check.distrusted_scans() >= kFalseStarts) start(scan);
       return;
     }
-    relocation.distrust(time.now(), time.elapsed_s(), scan, *odometer, attempt.health.energy);
-    if (relocation.lost() && open) begin_submap(scan, tracked);
+    relocalisation.distrust(time.now(), time.elapsed_s(), scan, *odometer, attempt.health.energy);
+    if (relocalisation.lost() && open) begin_submap(scan, tracked);
   }
 
   void trust(const PreparedScan& scan, const Attempt& attempt) {
     odometer->accept(attempt);
     open = unknown_axes(odometer->pose_covariance(), kHorizontal, kSamePlace) != 0;
     // The next scan is not compared with one that the map explains little of: a crowd or dust may be gone.
-    check.trust(time.now(), scan, odometer->state(), attempt.health.share >= kDegradedShare);
+    check.trust(time.now(), scan, odometer->state(), attempt.health.inlier_ratio >= kDegradedShare);
     state = TrackingState::kTracking;
     if (loose_since && time.since_s(*loose_since) > config.new_map_after_s) begin_epoch();
-    relocation.end();
-    keep(scan, attempt.health.share);
+    relocalisation.end();
+    keep(scan, attempt.health.inlier_ratio);
   }
 
   /// From here on poses are in another frame, relative to which they are not uncertain.
@@ -216,13 +217,14 @@ struct Tracker::State {
     odometer->keep(time.now(), scan, share);
     const Pose& here = odometer->state().pose;
     if (archive.wants(time.now(), here.translation(), scan.median_range))
-      archive.add(time.now(), here, scan.median_range, deskewed(scan.source, odometer->state()), tie());
-    archive.note_stand(here);
+      archive.add(time.now(), here, scan.median_range, deskewed(scan.source, odometer->state()),
+                  constraint());
+    archive.note_body_up(here);
   }
 
   /// The constraint of a new keyframe: by odometry, to the keyframe before it; after a jump, by the alignment
   /// of this scan, to the nearest keyframe.
-  std::optional<Constraint> tie() {
+  std::optional<Constraint> constraint() {
     const Matrix6 drift = odometer->take_new_drift();
     if (archive.empty()) return std::nullopt;
     const Pose& here = odometer->state().pose;
@@ -230,7 +232,7 @@ struct Tracker::State {
         jumped ? archive.nearest(here.translation()) : archive.keyframes().back();
     const Matrix6 covariance = jumped ? odometer->pose_covariance() : drift;
     jumped = false;
-    return tie_to(before, here, covariance);
+    return constraint_to(before, here, covariance);
   }
 
   /// The pose in the own frame changed otherwise than by motion: keeps the local frame free of jumps.
@@ -243,7 +245,8 @@ struct Tracker::State {
   void distrust(const MotionPrior& prior, bool contradicted = false) {
     check.distrust(contradicted);
     coast(prior);
-    if (state != TrackingState::kInitialising && !relocation.lost() && check.distrusted_scans() > 1) lose();
+    if (state != TrackingState::kInitialising && !relocalisation.lost() && check.distrusted_scans() > 1)
+      lose();
   }
 
   /// The prediction stands in for a scan without points.
@@ -251,7 +254,7 @@ struct Tracker::State {
     odometer->coast(prior);
     const bool long_ago = unseen_s() > kCoastSeconds;
     if (long_ago) odometer->stand();
-    if (state == TrackingState::kInitialising || relocation.lost()) return;
+    if (state == TrackingState::kInitialising || relocalisation.lost()) return;
     state = TrackingState::kDegraded;
     if (long_ago) lose();
   }
@@ -259,26 +262,26 @@ struct Tracker::State {
   // ---- lost
 
   /// A scan of a lost robot: followed by lost-mode odometry until it is relocalised, or begins a submap.
-  void track_lost(const PreparedScan& scan, const ScanPrior& hints, TrackedScan* tracked) {
-    if (!relocation.has_excursion()) distrust(predict());
+  void track_lost(const PreparedScan& scan, const ScanPrior& auxiliary, TrackedScan* tracked) {
+    if (!relocalisation.has_lost_odometry()) distrust(predict());
     Attempt attempt;
-    const Relocation::Outcome outcome =
-        relocation.follow(time.now(), time.elapsed_s(), scan, *odometer, &attempt);
-    if (hints.level_from_body) relocation.note_up(up_in_body(hints));
+    const Relocalisation::Outcome outcome =
+        relocalisation.follow(time.now(), time.elapsed_s(), scan, *odometer, &attempt);
+    if (auxiliary.level_from_body) relocalisation.note_up(up_in_body(auxiliary));
     finished(Stage::kAlign);
-    if (outcome == Relocation::Outcome::kLost) {
-      if (relocation.gives_up() || open)
+    if (outcome == Relocalisation::Outcome::kLost) {
+      if (relocalisation.gives_up() || open)
         begin_submap(scan, tracked);
       else
         describe(attempt, PoseMethod::kPredicted, tracked);
       return;
     }
-    const bool found = outcome == Relocation::Outcome::kFound;
+    const bool found = outcome == Relocalisation::Outcome::kFound;
     if (found) begin_epoch();
-    const Pose predicted = relocation.excursion().state().pose;
-    join(relocation.excursion(), renormalised(attempt.alignment.moving.pose * predicted.inverse()),
+    const Pose predicted = relocalisation.lost_odometry().state().pose;
+    join(relocalisation.lost_odometry(), renormalised(attempt.alignment.moving.pose * predicted.inverse()),
          scan.median_range, &archive);
-    if (relocation.is_elsewhere()) reload(attempt.alignment.moving.pose.translation());
+    if (relocalisation.is_elsewhere()) reload(attempt.alignment.moving.pose.translation());
     jumped = true;
     given_ground.forget();
     trust(scan, attempt);
@@ -289,12 +292,12 @@ struct Tracker::State {
   /// The map of lost-mode odometry becomes the active submap. Where the position was open, the pose has not
   /// jumped, and stays as uncertain as before.
   void begin_submap(const PreparedScan& scan, TrackedScan* tracked) {
-    Excursion& excursion = relocation.excursion();
+    LostModeOdometry& lost_odometry = relocalisation.lost_odometry();
     const Matrix6 uncertain = odometer->pose_covariance() + odometer->drift();
-    moved_away = archive.begin_submap(excursion.seen());
-    describe(excursion.attempt(), PoseMethod::kIcp, tracked);
-    odometer = excursion.take_odometer();
-    relocation.end();
+    moved_away = archive.begin_submap(lost_odometry.seen());
+    describe(lost_odometry.attempt(), PoseMethod::kIcp, tracked);
+    odometer = lost_odometry.take_odometer();
+    relocalisation.end();
     ++submap;
     if (open) {
       odometer->set_drift(uncertain);
@@ -307,7 +310,7 @@ struct Tracker::State {
     state = TrackingState::kTracking;
   }
 
-  void lose() { relocation.begin(*odometer, check.last(), check.looks_alike(), archive); }
+  void lose() { relocalisation.begin(*odometer, check.last(), check.looks_alike(), archive); }
 
   /// Where `work` cannot read stored points, the local map stays as it is.
   template <typename Work>
@@ -342,7 +345,7 @@ struct Tracker::State {
     tracked->energy_score = attempt.health.score;
   }
 
-  TrackingState reported_state() const { return relocation.lost() ? relocation.state() : state; }
+  TrackingState reported_state() const { return relocalisation.lost() ? relocalisation.state() : state; }
 
   void report(TrackedScan* tracked) {
     tracked->state = reported_state();
@@ -364,7 +367,7 @@ struct Tracker::State {
     tracked->keyframes = static_cast<int>(odometer->map().keyframes().size());
     tracked->map_points = static_cast<int>(odometer->map().size());
     tracked->map_fault = std::exchange(map_fault, {});
-    tracked->recovery = relocation.take_ended();
+    tracked->recovery = relocalisation.take_ended();
     if (tracked->recovery) {
       tracked->recovery->epoch = epoch;
       tracked->recovery->map_from_body = tracked->map_from_body;
@@ -379,7 +382,7 @@ Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 
-TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
+TrackedScan Tracker::track(const Scan& scan, const ScanPrior& auxiliary) {
   TrackedScan tracked;
   tracked.utime = scan.utime;
   tracked.points_in = static_cast<int>(scan.points.size());
@@ -393,28 +396,28 @@ TrackedScan Tracker::track(const Scan& scan, const ScanPrior& hints) {
   if (!seen && !s.begun) return tracked;
 
   if (!s.begun) {
-    if (s.relocation.lost()) {
+    if (s.relocalisation.lost()) {
       s.odometer->set_planar(prepared.planar);
-      s.relocation.distrust(s.time.now(), 0, prepared, *s.odometer, 1);
+      s.relocalisation.distrust(s.time.now(), 0, prepared, *s.odometer, 1);
       tracked.method = PoseMethod::kPredicted;
     } else {
       s.start(prepared);
     }
     s.begun = true;
   } else if (!seen) {
-    if (s.relocation.has_excursion()) {
-      s.relocation.coast(s.time.elapsed_s(), *s.odometer);
+    if (s.relocalisation.has_lost_odometry()) {
+      s.relocalisation.coast(s.time.elapsed_s(), *s.odometer);
     } else {
-      s.coast(s.predict(hints));
+      s.coast(s.predict(auxiliary));
     }
     tracked.method = PoseMethod::kPredicted;
     tracked.stop_reason = StopReason::kTooFewPoints;
-  } else if (s.relocation.lost()) {
-    s.track_lost(prepared, hints, &tracked);
+  } else if (s.relocalisation.lost()) {
+    s.track_lost(prepared, auxiliary, &tracked);
   } else {
-    s.track_on(prepared, hints, &tracked);
+    s.track_on(prepared, auxiliary, &tracked);
   }
-  if (tracked.method == PoseMethod::kIcp && !s.relocation.lost()) s.note_attitude(hints);
+  if (tracked.method == PoseMethod::kIcp && !s.relocalisation.lost()) s.note_attitude(auxiliary);
   s.report(&tracked);
   s.finished(Stage::kMap);
   return tracked;
@@ -424,15 +427,15 @@ std::optional<RecoveryRequest> Tracker::take_request() {
   const State& s = *state_;
   // `up` was measured in the first submap; the tilt of other submaps relative to it is not known.
   const bool known = s.attitudes > 0 && s.submap == 0;
-  return state_->relocation.take_request(s.time.stamp(), s.archive,
-                                         known ? std::optional<Eigen::Vector3d>(s.up) : std::nullopt);
+  return state_->relocalisation.take_request(s.time.stamp(), s.archive,
+                                             known ? std::optional<Eigen::Vector3d>(s.up) : std::nullopt);
 }
 
 void Tracker::give(RecoveryAnswer answer) {
   State& s = *state_;
   note_map_fault(answer.map_fault);
   try {
-    s.relocation.give(std::move(answer), s.archive, s.scale.current(0), *s.odometer);
+    s.relocalisation.give(std::move(answer), s.archive, s.scale.current(0), *s.odometer);
   } catch (const PointsUnreadable& error) {  // the hypotheses cannot be tested; the search goes on
     note_map_fault(error.what());
   }
@@ -457,7 +460,7 @@ void Tracker::reset() {
 void Tracker::set_pose(const Pose& map_from_body) {
   State& s = *state_;
   s.begin_epoch();
-  s.relocation.end();
+  s.relocalisation.end();
   const Pose before = s.odometer->state().pose;
   if (s.archive.empty()) s.map_from_own = upright(map_from_body);
   const Pose here = renormalised(s.map_from_own.inverse() * map_from_body);
@@ -472,7 +475,7 @@ void Tracker::set_pose(const Pose& map_from_body) {
   }
   s.reload(here.translation());
   s.lose();
-  s.relocation.propose_here();
+  s.relocalisation.propose_here();
 }
 
 SavedMap Tracker::save() const {
@@ -494,7 +497,7 @@ void Tracker::load(SavedMap saved, bool fixed) {
   s.jump(s.odometer->state().pose, saved.last_pose);
   s.jumped = true;
   s.odometer->set_pose(saved.last_pose);
-  s.relocation.begin(*s.odometer, std::nullopt, false, s.archive);
+  s.relocalisation.begin(*s.odometer, std::nullopt, false, s.archive);
 }
 
 PointCloud Tracker::map() const {
@@ -504,8 +507,8 @@ PointCloud Tracker::map() const {
 const Odometer& Tracker::odometer() const {
   return *state_->odometer;
 }
-int Tracker::excursion_scans() const {
-  return state_->relocation.has_excursion() ? state_->relocation.excursion().scans() : 0;
+int Tracker::lost_odometry_scans() const {
+  return state_->relocalisation.has_lost_odometry() ? state_->relocalisation.lost_odometry().scans() : 0;
 }
 double Tracker::moved_away() const {
   return state_->moved_away;
@@ -526,7 +529,7 @@ const Pose& Tracker::own_from_body() const {
   return state_->odometer->state().pose;
 }
 bool Tracker::on_known_ground() const {
-  return state_->state == TrackingState::kTracking && !state_->relocation.lost();
+  return state_->state == TrackingState::kTracking && !state_->relocalisation.lost();
 }
 std::int64_t Tracker::local_map_utime() const {
   const auto& keyframes = state_->odometer->map().keyframes();

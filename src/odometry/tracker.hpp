@@ -77,7 +77,7 @@ class Tracker {
   /// The odometer of the active submap: scans are aligned with its map.
   const Odometer& odometer() const;
   /// Number of scans that lost-mode odometry has followed in a row; 0 where it does not run.
-  int excursion_scans() const;
+  int lost_odometry_scans() const;
   /// Index of the active submap, from 0: a robot that is lost for long begins a new one. Keyframes of other
   /// submaps are placed at least kSubmapsApart from it, because their true relative poses are not known.
   std::uint32_t submap() const;

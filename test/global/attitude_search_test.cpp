@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kInliers = 30, kRival = 26, kOutliers = 300;
+constexpr int kInliers = 30, kRunnerUp = 26, kOutliers = 300;
 
 /// Matches with a large consensus in one of several attitudes, a rival consensus in another attitude, and
 /// random outliers.
@@ -26,7 +26,7 @@ struct Slopes {
     for (int k = 0; k < 6; ++k)
       ups.push_back(Vector3d(sample.uniform(-0.3, 0.3), sample.uniform(-0.3, 0.3), 1).normalized());
     plant(0, kInliers + kOutliers, kInliers);
-    plant(3, kRival, kRival);
+    plant(3, kRunnerUp, kRunnerUp);
   }
   void plant(std::size_t attitude, int count, int inliers) {
     const Pose truth = sample.pose(10);
@@ -68,7 +68,7 @@ TEST_CASE("of several attitudes the one with the largest consensus is found, wha
       CHECK(found.certified);
       CHECK(found.matches == slopes.matches.size());
       CHECK(counted_consensus(slopes.matches, 0.1, found.target_from_source) == most);
-      CHECK(found.runner_up_consensus >= kRival);
+      CHECK(found.runner_up_consensus >= kRunnerUp);
       CHECK(found.runner_up_bound >= found.runner_up_consensus);
       CHECK(counted_consensus(slopes.matches, 0.1, found.runner_up) == found.runner_up_consensus);
       std::rotate(slopes.ups.begin(), slopes.ups.begin() + 2, slopes.ups.end());

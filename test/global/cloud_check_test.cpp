@@ -19,7 +19,7 @@ void add_wall(const Eigen::Vector2f& from, const Eigen::Vector2f& to, const Eige
     const Eigen::Vector2f p = from + (to - from) * (static_cast<float>(k) / static_cast<float>(steps));
     for (float z = -1.2f; z < 1.3f; z += kSpacing) {
       cloud->push_back(p.x(), p.y(), z);
-      cloud->eyes.push_back(eye);
+      cloud->viewpoints.push_back(eye);
     }
   }
 }
@@ -73,7 +73,7 @@ TEST_CASE("what its own cloud saw through has moved, and contradicts nothing") {
   PointCloud both = before;
   for (std::size_t i = 0; i < after.size(); ++i) {
     both.push_back(after.point(i));
-    both.eyes.push_back(left);
+    both.viewpoints.push_back(left);
   }
   CHECK(fit(before, after).contradiction > 0.1);
   CHECK(fit(both, after).contradiction < 0.01);
@@ -87,7 +87,7 @@ TEST_CASE("what is above all that the other cloud tells of its column does not c
   for (std::size_t i = 0; i < tall.size(); ++i) {
     PointCloud& part = tall.z[i] < -0.1f ? low : beside;
     part.push_back(tall.point(i));
-    part.eyes.push_back(right);
+    part.viewpoints.push_back(right);
   }
   CHECK(fit(tall, low).overlap > 0.95);
   // The missing points are between the top of a cell and the top of the wall.
@@ -104,12 +104,12 @@ TEST_CASE("a glance sees about what a comparison sees") {
   add_normals(&source, 2.5f * kSpacing);
   add_normals(&target, 2.5f * kSpacing);
   const CloudCheck s(source, static_cast<double>(kSpacing)), t(target, static_cast<double>(kSpacing));
-  CHECK(glance(s, t, Pose::Identity(), 200).overlap > 0.95);
-  CHECK(glance(s, t, Pose::Identity(), 200).contradiction == 0);
+  CHECK(coarse_fit(s, t, Pose::Identity(), 200).overlap > 0.95);
+  CHECK(coarse_fit(s, t, Pose::Identity(), 200).contradiction == 0);
   Pose turned = Pose::Identity();
   turned.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  CHECK(glance(s, t, turned, 200).overlap < 0.6);
-  CHECK(glance(s, t, turned, 200).contradiction > 0.1);
+  CHECK(coarse_fit(s, t, turned, 200).overlap < 0.6);
+  CHECK(coarse_fit(s, t, turned, 200).contradiction > 0.1);
 }
 
 TEST_CASE("clouds of nothing fit nothing") {
@@ -117,7 +117,7 @@ TEST_CASE("clouds of nothing fit nothing") {
   add_normals(&nothing, 0.5f);
   const CloudCheck some(nothing, 0.2), none(empty, 0.2);
   CHECK(compare(some, none, Pose::Identity(), ContradictionOf::kWorse).overlap == 0);
-  CHECK(glance(none, some, Pose::Identity(), 10).overlap == 0);
+  CHECK(coarse_fit(none, some, Pose::Identity(), 10).overlap == 0);
 }
 
 }  // namespace scanlock

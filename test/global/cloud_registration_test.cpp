@@ -142,9 +142,9 @@ TEST_CASE("all places that look alike are proposed") {
                        level_pose(0.3, -35, 0, 0)};  // one nearly correct, one wrong
   const CloudRegistration found =
       register_clouds(describe(seen, description), describe(map, description), options);
-  REQUIRE(found.standing.size() == 1);
-  CHECK(near(found.standing[0].refined, places[0], 0.1, 0.01));
-  std::vector<Pose> proposed = found.rivals;
+  REQUIRE(found.uncontradicted.size() == 1);
+  CHECK(near(found.uncontradicted[0].refined, places[0], 0.1, 0.01));
+  std::vector<Pose> proposed = found.runners_up;
   proposed.push_back(found.target_from_source);
   for (const Pose& place : places) {
     CHECK(std::count_if(proposed.begin(), proposed.end(),
@@ -192,7 +192,7 @@ TEST_CASE("what moved since says little against the right place, unless another 
         result.push_back((Eigen::AngleAxisd(bearing(board), Eigen::Vector3d::UnitZ()) * p).cast<float>());
       }
     }
-    result.eyes.resize(result.size(), Eigen::Vector3f::Zero());
+    result.viewpoints.resize(result.size(), Eigen::Vector3f::Zero());
     return result;
   };
   DescriptionOptions description;
@@ -210,7 +210,7 @@ TEST_CASE("what moved since says little against the right place, unless another 
   PointCloud twins = place;
   const PointCloud other = moved(place, level_pose(1, 80, 0, 0));
   for (std::size_t i = 0; i < other.size(); ++i) twins.push_back(other.point(i));
-  twins.eyes.insert(twins.eyes.end(), other.eyes.begin(), other.eyes.end());
+  twins.viewpoints.insert(twins.viewpoints.end(), other.viewpoints.begin(), other.viewpoints.end());
   const CloudRegistration twice = register_clouds(seen, describe(twins, description), options);
   CHECK(twice.fit.contradiction > 0.03);
   CHECK(twice.log_odds < -5);

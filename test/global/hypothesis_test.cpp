@@ -18,15 +18,15 @@ CloudFit fit_of(double overlap, double contradiction, std::size_t steep = 1000) 
 }
 
 TEST_CASE("the odds of a pose grow with overlap and lead, and fall with contradiction") {
-  const std::vector<CloudFit> rival = {fit_of(0.5, 0)};
+  const std::vector<CloudFit> runner_up = {fit_of(0.5, 0)};
   double last = -1e9;
   for (double overlap = 0.3; overlap < 1; overlap += 0.05) {
-    const double odds = log_odds(fit_of(overlap, 0.01), rival);
+    const double odds = log_odds(fit_of(overlap, 0.01), runner_up);
     CHECK(odds > last);
     last = odds;
   }
   for (double contradiction = 0; contradiction < 0.2; contradiction += 0.01) {
-    const double odds = log_odds(fit_of(0.8, contradiction), rival);
+    const double odds = log_odds(fit_of(0.8, contradiction), runner_up);
     if (contradiction > 0) CHECK(odds < last);
     last = odds;
   }

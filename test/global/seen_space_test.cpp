@@ -55,7 +55,7 @@ TEST_CASE("above is what is higher than the points and rays of a column that is 
 
 TEST_CASE("rays start where each point was seen from") {
   PointCloud cloud = wall();
-  cloud.eyes.assign(cloud.size(), {18, 0, 0});
+  cloud.viewpoints.assign(cloud.size(), {18, 0, 0});
   const SeenSpace space(cloud, 0.5f);
   CHECK(space.is_crossed({15, 0, 0}, kAlongX));
   CHECK_FALSE(space.is_crossed({5, 0, 0}, kAlongX));
@@ -87,8 +87,8 @@ TEST_CASE("a point at the end of the world takes no more cells") {
 
 TEST_CASE("a point in its own eye has no ray") {
   PointCloud cloud = wall();
-  cloud.eyes = std::vector<Eigen::Vector3f>(cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.eyes[i] = cloud.point(i);
+  cloud.viewpoints = std::vector<Eigen::Vector3f>(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.viewpoints[i] = cloud.point(i);
   CHECK_FALSE(SeenSpace(cloud, 0.5f).is_crossed({5, 0, 0}, kNoNormal));
   CHECK_FALSE(SeenSpace(PointCloud{}, 0.5f).is_crossed({0, 0, 0}, kNoNormal));
 }

@@ -22,7 +22,7 @@ DescriptionOptions half_metre() {
 
 std::vector<Pose> poses(const CloudDescription& source, const CloudDescription& target,
                         const std::vector<SurfaceMatch>& matches, const std::vector<Eigen::Vector3d>& ups,
-                        std::size_t count, const StandPoses& guesses = {}) {
+                        std::size_t count, const GroundPoses& guesses = {}) {
   const CloudCheck s(source.points, source.voxel), t(target.points, target.voxel);
   return surface_poses(matches, guesses, s, t, ups, Eigen::Vector3d::Zero(), kEpsilon, count);
 }

@@ -168,7 +168,7 @@ TEST_CASE("a plane seen edge-on hardly counts") {
   KdForest tree;
   tree.rebuild(fan);
   const auto weight_from = [&](float height) {
-    fan.eyes.assign(fan.size(), {0, 0, height});
+    fan.viewpoints.assign(fan.size(), {0, 0, height});
     LocalSurfaces surfaces;
     surfaces.reset(fan, tree, 1);
     surfaces.prepare({55}, 1);
@@ -187,7 +187,7 @@ TEST_CASE("the normal of a plane points to where it was seen from") {
   KdForest tree;
   tree.rebuild(wall);
   for (const float side : {-1.0f, 1.0f}) {
-    wall.eyes.assign(wall.size(), {5 + 3 * side, 0.5f, 0.5f});
+    wall.viewpoints.assign(wall.size(), {5 + 3 * side, 0.5f, 0.5f});
     LocalSurfaces surfaces;
     surfaces.reset(wall, tree, 1);
     surfaces.prepare({55}, 1);

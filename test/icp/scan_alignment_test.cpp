@@ -72,11 +72,11 @@ TEST_CASE("a thin wall that was seen from its other side alone does not pull a s
   };
   PointCloud map = room(4000), scan = room(400);
   add_wall(scan, -3, 400);
-  map.eyes.assign(map.size(), Eigen::Vector3f::Zero());
+  map.viewpoints.assign(map.size(), Eigen::Vector3f::Zero());
   const auto x_with_wall_seen_from = [&](float eye) {
     PointCloud all = map;
     add_wall(all, -3.12f, 4000);
-    all.eyes.resize(all.size(), {eye, 0, 0});
+    all.viewpoints.resize(all.size(), {eye, 0, 0});
     KdForest tree;
     tree.rebuild(all);
     LocalSurfaces surfaces;

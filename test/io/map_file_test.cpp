@@ -190,7 +190,7 @@ TEST_CASE("a map comes back poses exactly points to half a step") {
     CHECK(after.utime == before.utime);
     CHECK(after.map_from_body.matrix() == before.map_from_body.matrix());
     CHECK(after.reach == before.reach);
-    CHECK(after.stands == before.stands);
+    CHECK(after.body_ups == before.body_ups);
     const PointCloud after_points = *after.points.cloud(), before_points = *before.points.cloud();
     REQUIRE(after_points.size() == 200);
     float worst = 0;
@@ -255,9 +255,9 @@ TEST_CASE("the bytes of all versions stay as they are") {
   const SavedMap old = decode_map(expected, "yard.map");
   REQUIRE(old.keyframes.size() == 1);
   CHECK(old.keyframes[0].points.cloud()->point(0) == cloud.point(0));
-  CHECK(old.keyframes[0].stands.empty());
+  CHECK(old.keyframes[0].body_ups.empty());
 
-  map.keyframes[0].stands.emplace_back(0, 0, 1);
+  map.keyframes[0].body_ups.emplace_back(0, 0, 1);
   expected[8] = 2;
   expected[12] = static_cast<std::uint8_t>(226 + 16);
   expected.resize(expected.size() - 4);
@@ -265,7 +265,7 @@ TEST_CASE("the bytes of all versions stay as they are") {
   append({0, 0, 0, 0});
   const SavedMap second = decode_map(sealed(expected), "yard.map");
   REQUIRE(second.keyframes.size() == 1);
-  CHECK(second.keyframes[0].stands == map.keyframes[0].stands);
+  CHECK(second.keyframes[0].body_ups == map.keyframes[0].body_ups);
   CHECK(second.constraints.empty());
 
   Matrix6 information = Matrix6::Identity();

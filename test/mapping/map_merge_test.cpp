@@ -45,15 +45,15 @@ SavedMap drive(const Pose& hall_from_map, double from, double to, double aside, 
     const Pose map_from_body = hall_from_map.inverse() * hall_from_body;
     archive.add(utime, map_from_body, 8, points);
     const auto id = static_cast<std::uint32_t>(archive.keyframes().size());
-    Constraint tie;
-    tie.to = id;
-    tie.from_to = map_from_body;
+    Constraint constraint;
+    constraint.to = id;
+    constraint.from_to = map_from_body;
     if (id > 1) {
-      tie.from = id - 1;
-      tie.from_to = archive.keyframes()[id - 2].map_from_body.inverse() * map_from_body;
+      constraint.from = id - 1;
+      constraint.from_to = archive.keyframes()[id - 2].map_from_body.inverse() * map_from_body;
     }
-    tie.information = Matrix6::Identity() / (0.01 * 0.01);
-    map.constraints.push_back(tie);
+    constraint.information = Matrix6::Identity() / (0.01 * 0.01);
+    map.constraints.push_back(constraint);
   }
   map.keyframes = archive.keyframes();
   return map;
@@ -106,13 +106,13 @@ TEST_CASE("a map that fits into two places of another one is not merged with it"
   const SavedMap again = moved(drive(frame_in_hall(-6, 1, 0.4), -6, 5, 1, 500), at(60, 0, 0));
   const auto count = static_cast<std::uint32_t>(hall.keyframes.size());
   twice.keyframes.insert(twice.keyframes.end(), again.keyframes.begin(), again.keyframes.end());
-  for (Constraint tie : again.constraints) {
-    if (tie.from == kOriginNode)
-      tie.from_to = again.keyframes.front().map_from_body;
+  for (Constraint constraint : again.constraints) {
+    if (constraint.from == kOriginNode)
+      constraint.from_to = again.keyframes.front().map_from_body;
     else
-      tie.from += count;
-    tie.to += count;
-    twice.constraints.push_back(tie);
+      constraint.from += count;
+    constraint.to += count;
+    twice.constraints.push_back(constraint);
   }
   const SavedMap other = drive(frame_in_hall(5, -3, -2.0), 6, -4, -2, 900);
   CHECK(merge_maps(hall, other, {}).joined);

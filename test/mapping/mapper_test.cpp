@@ -279,7 +279,7 @@ TEST_CASE("where a robot is looked for first in a map that was loaded is describ
 ClosureOutcome outcome_of_little(MapWorker& worker, JoinRequest request, std::size_t agreeing) {
   const double said = std::get<JoinAnswer>(worker.work(request)).search.log_odds;
   REQUIRE(said > 3);
-  for (JoinFind& find : request.finds) find.log_odds = 2 * (3 - said) / static_cast<double>(agreeing);
+  for (JoinResult& find : request.finds) find.log_odds = 2 * (3 - said) / static_cast<double>(agreeing);
   return std::get<JoinAnswer>(worker.work(request)).closure.outcome;
 }
 
@@ -312,7 +312,7 @@ bool doubted(MapWorker& worker, MapRequest request, const MapAnswer& answer) {
   CHECK(little(other) == ClosureOutcome::kAccepted);
   furnish(&other.search.target.places);
   CHECK(little(other) == ClosureOutcome::kPending);
-  for (JoinFind& find : std::get<JoinRequest>(request).finds) find.log_odds -= 100;
+  for (JoinResult& find : std::get<JoinRequest>(request).finds) find.log_odds -= 100;
   CHECK(std::get<JoinAnswer>(worker.work(request)).closure.outcome == ClosureOutcome::kPending);
   return true;
 }

@@ -22,11 +22,11 @@ Attempt attempt(double metres, double score = 0, double share = 0.9) {
   result.alignment.moving.pose = Pose(Eigen::Translation3d(metres, 0, 0));
   result.health.energy = 0.1;
   result.health.overlap = 0.95;
-  result.health.young = false;
+  result.health.short_history = false;
   result.health.score = score;
   result.health.inliers = 1000;
-  result.health.share = share;
-  result.health.usual_share = 0.9;
+  result.health.inlier_ratio = share;
+  result.health.median_inlier_ratio = 0.9;
   return result;
 }
 
@@ -74,7 +74,7 @@ TEST_CASE("the last trusted scan contradicts another place: asked after a gap, a
   CHECK(check.is_contradicted(kScanPeriod, seen_there, attempt(0, 4.5)));
   CHECK(check.is_contradicted(kScanPeriod, seen_there, attempt(0, 0, 0.3)));
   Attempt first = attempt(0);
-  first.health.young = true;
+  first.health.short_history = true;
   CHECK_FALSE(check.is_contradicted(5 * kScanPeriod, seen_there, first));
   check.distrust(true);
   CHECK(check.looks_alike());
@@ -96,7 +96,7 @@ TEST_CASE("after a short gap a motion that nobody expected has to be confirmed, 
   CHECK(check.is_to_be_confirmed(4 * kScanPeriod, 0.1, first.prior, first));
   CHECK_FALSE(check.is_to_be_confirmed(4 * kScanPeriod, 0.4, first.prior, first));  // no scan is missing
   CHECK_FALSE(check.is_to_be_confirmed(13 * kScanPeriod, 0.1, first.prior, first));
-  first.health.young = true;
+  first.health.short_history = true;
   CHECK_FALSE(check.is_to_be_confirmed(4 * kScanPeriod, 0.1, first.prior, first));
 }
 

@@ -47,9 +47,9 @@ TEST_CASE("a keyframe that is replaced leaves to the other one how the body stoo
   CHECK(archive.wants(100 * kSecond, {0, 0.5, 0}, 12));
   Pose tilted = shifted(5, 0.4);
   tilted.linear() = so3_exp(Eigen::Vector3d(0.1, 0, 0));
-  archive.note_stand(shifted(5, 0));
+  archive.note_body_up(shifted(5, 0));
   archive.add(100 * kSecond, shifted(5, 0.5), 12, ring(400, 12));
-  archive.note_stand(tilted);
+  archive.note_body_up(tilted);
   KeyframeArchive newer = archive;
   archive.replace(11, 3);
   CHECK(archive.keyframes().size() == 10);
@@ -57,11 +57,11 @@ TEST_CASE("a keyframe that is replaced leaves to the other one how the body stoo
   CHECK(archive.find(11) == nullptr);
   REQUIRE(archive.find(3) != nullptr);
   CHECK(archive.find(3)->utime == 2 * kSecond);
-  CHECK(archive.find(3)->stands.size() == 2);
+  CHECK(archive.find(3)->body_ups.size() == 2);
   newer.replace(3, 11);
   CHECK(newer.points() == 9 * 500 + 400);
   CHECK(newer.find(3) == nullptr);
-  CHECK(newer.find(11)->stands.size() == 2);
+  CHECK(newer.find(11)->body_ups.size() == 2);
 }
 
 TEST_CASE("a place is thinned and the oldest places give way to the cap") {
@@ -123,7 +123,7 @@ TEST_CASE("the surroundings of a place are those of all points, however many the
       const Eigen::Vector3f p = points.point(k) + eye;
       if (!(p.head<2>().squaredNorm() < 900)) continue;
       all.push_back(p);
-      all.eyes.push_back(eye);
+      all.viewpoints.push_back(eye);
     }
   }
   REQUIRE(all.size() > 600000);
@@ -132,7 +132,7 @@ TEST_CASE("the surroundings of a place are those of all points, however many the
   CHECK(found.x == expected.x);
   CHECK(found.y == expected.y);
   CHECK(found.z == expected.z);
-  CHECK(found.eyes == expected.eyes);
+  CHECK(found.viewpoints == expected.viewpoints);
 }
 
 TEST_CASE("keyframes are found by id and moved, with the ways in which the body stood there") {
@@ -140,12 +140,12 @@ TEST_CASE("keyframes are found by id and moved, with the ways in which the body 
   for (int i = 0; i < 4; ++i) {
     archive.add(i, shifted(10 * i, 0), 12, ring(500, 12),
                 Constraint{static_cast<std::uint32_t>(i), 0, shifted(i, 0)});
-    archive.note_stand(shifted(10 * i, 0));
+    archive.note_body_up(shifted(10 * i, 0));
   }
   CHECK(archive.nearest({21, 3, 0}).id == 3);
   REQUIRE(archive.find(4) != nullptr);
   CHECK(archive.find(4)->utime == 3);
-  CHECK(archive.find(4)->tie->from_to.translation().x() == 3);
+  CHECK(archive.find(4)->constraint->from_to.translation().x() == 3);
   CHECK(archive.find(0) == nullptr);
   CHECK(archive.find(5) == nullptr);
   Pose there = shifted(7, 7);
@@ -153,7 +153,7 @@ TEST_CASE("keyframes are found by id and moved, with the ways in which the body 
   archive.move({{2, there}, {9, shifted(0, 0)}});
   CHECK(archive.find(2)->map_from_body.matrix() == there.matrix());
   CHECK(archive.find(1)->map_from_body.matrix() == shifted(0, 0).matrix());
-  CHECK(archive.find(2)->stands[0].dot(there.linear().col(2).cast<float>()) == doctest::Approx(1));
+  CHECK(archive.find(2)->body_ups[0].dot(there.linear().col(2).cast<float>()) == doctest::Approx(1));
 }
 
 TEST_CASE("a submap joins the places around a centre in the axes of the map") {
@@ -180,19 +180,19 @@ TEST_CASE("the ways in which the body stood are kept with the nearest place a fe
     return pose;
   };
   KeyframeArchive archive(1000000);
-  archive.note_stand(tilted(0, 0.2));  // the archive is empty
+  archive.note_body_up(tilted(0, 0.2));  // the archive is empty
   archive.add(1, shifted(0, 0), 12, ring(500, 12));
   archive.add(2, shifted(50, 0), 12, ring(500, 12));
-  for (int i = 0; i <= 20; ++i) archive.note_stand(tilted(1, 0.011 * i));
-  archive.note_stand(tilted(49, 0.5));
-  const std::vector<Eigen::Vector3d> near = stands_around(archive.keyframes(), {0, 0, 0}, 20);
+  for (int i = 0; i <= 20; ++i) archive.note_body_up(tilted(1, 0.011 * i));
+  archive.note_body_up(tilted(49, 0.5));
+  const std::vector<Eigen::Vector3d> near = body_ups_around(archive.keyframes(), {0, 0, 0}, 20);
   REQUIRE(near.size() == 5);  // 0, 0.055 and so on
   for (std::size_t i = 0; i < near.size(); ++i) {
     CHECK(near[i].norm() == doctest::Approx(1));
     for (std::size_t j = 0; j < i; ++j) CHECK(near[i].dot(near[j]) < std::cos(0.0499));
   }
-  CHECK(stands_around(archive.keyframes(), {0, 0, 0}, 60).size() == 6);
-  CHECK(stands_around(archive.keyframes(), {0, 200, 0}, 60).empty());
-  for (int i = 0; i < 1000; ++i) archive.note_stand(tilted(0, 0.06 * i));
-  CHECK(archive.keyframes()[0].stands.size() <= kMostStands);
+  CHECK(body_ups_around(archive.keyframes(), {0, 0, 0}, 60).size() == 6);
+  CHECK(body_ups_around(archive.keyframes(), {0, 200, 0}, 60).empty());
+  for (int i = 0; i < 1000; ++i) archive.note_body_up(tilted(0, 0.06 * i));
+  CHECK(archive.keyframes()[0].body_ups.size() <= kMostBodyUps);
 }

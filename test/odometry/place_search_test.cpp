@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "odometry/excursion.hpp"
+#include "odometry/lost_mode_odometry.hpp"
 #include "prepared_hall.hpp"
 
 using namespace scanlock;
@@ -23,7 +23,7 @@ struct Asked {
 Asked ask(unsigned scans, bool found, double cost_s = 0) {
   const TrackerConfig config;
   PreparedHall hall(config);
-  Excursion excursion(config, 0, hall.scan(0), {});
+  LostModeOdometry lost_odometry(config, 0, hall.scan(0), {});
   const PreparedScan same = hall.scan(1);
   KeyframeArchive archive(10000000);
   archive.restore({archived(Pose::Identity(), hall_map())});
@@ -33,8 +33,8 @@ Asked ask(unsigned scans, bool found, double cost_s = 0) {
   Asked asked;
   unsigned last = 0;
   for (unsigned i = 1; i < scans; ++i) {
-    excursion.follow(100000 * i, 0.1, same);
-    const auto request = search.next(100000 * i, excursion.surroundings(), archive, std::nullopt);
+    lost_odometry.follow(100000 * i, 0.1, same);
+    const auto request = search.next(100000 * i, lost_odometry.surroundings(), archive, std::nullopt);
     if (!request) continue;
     if (++asked.requests > 1) asked.longest_pause = std::max(asked.longest_pause, static_cast<int>(i - last));
     last = i;
@@ -69,15 +69,15 @@ TEST_CASE("searches take a tenth of a core in the mean, and more at once only wh
 TEST_CASE("what has no extent is not looked for") {
   const TrackerConfig config;
   PreparedHall hall(config);
-  Excursion excursion(config, 0, hall.scan(0), {});
-  for (unsigned i = 1; i < 5; ++i) excursion.follow(100000 * i, 0.1, hall.scan(1));
+  LostModeOdometry lost_odometry(config, 0, hall.scan(0), {});
+  for (unsigned i = 1; i < 5; ++i) lost_odometry.follow(100000 * i, 0.1, hall.scan(1));
   KeyframeArchive archive(10000000);
   archive.restore({archived(Pose::Identity(), hall_map())});
   for (const double scene : {0.0, 5.0}) {
     PlaceSearch search(1.0, PlaceSearch::Parts::kWide);
     search.begin(std::nullopt);
     search.begin_anew();
-    const Surroundings seen{excursion.surroundings().map, Pose::Identity(), scene, 5, std::nullopt};
+    const Surroundings seen{lost_odometry.surroundings().map, Pose::Identity(), scene, 5, std::nullopt};
     CHECK(search.next(1, seen, archive, std::nullopt).has_value() == (scene > 0));
   }
 }
@@ -85,7 +85,7 @@ TEST_CASE("what has no extent is not looked for") {
 TEST_CASE("a robot that nobody has seen is looked for first where it looks most alike, and elsewhere next") {
   const TrackerConfig config;
   PreparedHall hall(config);
-  Excursion excursion(config, 0, hall.scan(0), {});
+  LostModeOdometry lost_odometry(config, 0, hall.scan(0), {});
   KeyframeArchive archive(10000000);
   std::vector<ArchivedKeyframe> places;
   for (int i = 0; i < 5; ++i) {  // rooms of increasing size; the fourth is the hall
@@ -105,8 +105,8 @@ TEST_CASE("a robot that nobody has seen is looked for first where it looks most 
   search.begin_anew();
   const auto ask_for = [&](unsigned first) {
     for (unsigned i = first; i < first + 100; ++i) {
-      excursion.follow(100000 * i, 0.1, hall.scan(1));
-      if (auto request = search.next(100000 * i, excursion.surroundings(), archive, std::nullopt))
+      lost_odometry.follow(100000 * i, 0.1, hall.scan(1));
+      if (auto request = search.next(100000 * i, lost_odometry.surroundings(), archive, std::nullopt))
         return request;
     }
     return std::optional<RecoveryRequest>();

@@ -91,7 +91,7 @@ TEST_CASE("among things that are small for the scale of the search it looks fine
   request.target.source_radius = request.target.radius = 40;
   request.target.voxel = 1.0;
   request.tilt = 0.01;
-  request.stands = {Eigen::Vector3d::UnitZ()};
+  request.body_ups = {Eigen::Vector3d::UnitZ()};
   const Pose there = at(3, -2, 70 * kDegree);
   request.source = car_park(there, 2);
   CHECK(PlaceFinder().find(request).log_odds < kBelieved);

@@ -280,9 +280,9 @@ TEST_CASE("odometry does not lift a planar sensor out of its plane") {
     const Pose way = se3_exp(0.1 * i * velocity);
     Scan scan = planar_hall_scan(at(-6, -1, 0.1) * way, velocity, 100000 * i, static_cast<unsigned>(i));
     if (i == 15 || i == 16) scan.points = {};
-    ScanPrior hints;
-    if (i > 0) hints.motion = se3_exp(askew);
-    const Pose tracked = tracker.track(scan, hints).map_from_body;
+    ScanPrior auxiliary;
+    if (i > 0) auxiliary.motion = se3_exp(askew);
+    const Pose tracked = tracker.track(scan, auxiliary).map_from_body;
     CAPTURE(i);
     CHECK(std::abs(tracked.translation().z()) < 1e-6);
     CHECK(tracked.linear()(2, 2) > 1 - 1e-9);
@@ -398,14 +398,14 @@ TEST_CASE("a robot that turned unseen is believed there once a search or another
   const Frame frame = each_frame();
   const Pose start = at(1, 0.5, 0);
   const Vector6 velocity = twist(-2, 0.5, 85 * kDegree);
-  const Drive stands(start, Vector6::Zero()), turns(start * se3_exp(-0.9 * velocity), velocity);
+  const Drive body_ups(start, Vector6::Zero()), turns(start * se3_exp(-0.9 * velocity), velocity);
   for (const bool told : {false, true}) {
     CAPTURE(told);
     FramedTracker tracker(TrackerConfig{}, frame);
-    for (int i = 0; i < 10; ++i) tracker.track(stands.scan(i));
-    ScanPrior hints;  // at the first scan after a gap of 0.7 s
-    if (told) hints.motion = start.inverse() * turns.pose(16);
-    TrackedScan last = tracker.track(turns.scan(16), hints);
+    for (int i = 0; i < 10; ++i) tracker.track(body_ups.scan(i));
+    ScanPrior auxiliary;  // at the first scan after a gap of 0.7 s
+    if (told) auxiliary.motion = start.inverse() * turns.pose(16);
+    TrackedScan last = tracker.track(turns.scan(16), auxiliary);
     CHECK((last.state == TrackingState::kTracking) == told);
     for (int i = 17; i < 22; ++i) last = tracker.track(turns.scan(i));
     CHECK((last.state == TrackingState::kTracking) == told);
@@ -613,9 +613,9 @@ TEST_CASE("in a tunnel odometry says how far the robot went" * doctest::test_sui
   FramedTracker tracker(tunnel_config(), frame);
   TrackedScan tracked;
   for (int i = 0; i < 110; ++i) {
-    ScanPrior hints;
-    hints.motion = at(way(0.1 * i) - way(0.1 * (i - 1)), 0, 0);
-    tracked = tracker.track(tunnel_scan(i, way), i > 0 ? hints : ScanPrior{});
+    ScanPrior auxiliary;
+    auxiliary.motion = at(way(0.1 * i) - way(0.1 * (i - 1)), 0, 0);
+    tracked = tracker.track(tunnel_scan(i, way), i > 0 ? auxiliary : ScanPrior{});
   }
   CHECK(tracked.state == TrackingState::kDegraded);
   CHECK(std::abs(tracked.map_from_body.translation().x() - way(10.9)) < 1);

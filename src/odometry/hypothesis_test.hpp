@@ -10,14 +10,14 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/rigid.hpp"
-#include "odometry/excursion.hpp"
+#include "odometry/lost_mode_odometry.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/recovery.hpp"
 
 namespace scanlock {
 
 /// Log odds, unbounded, that an alignment is at the robot's place rather than that the map does not cover
-/// this place. `more`: energy of the alignment less its running median.
+/// this hypothesis. `more`: energy of the alignment less its running median.
 double log_odds_of_energy(double more);
 
 /// A sequential test of hypotheses, corrections of the predicted pose of a lost robot, on the scans that
@@ -27,7 +27,7 @@ double log_odds_of_energy(double more);
 /// median, or of the largest inlier ratio of all hypotheses if that is less. The test is undecided when x, y
 /// or yaw is unobservable, or when no hypothesis has won after eight scans that fit the best one. A
 /// hypothesis of expected_at() is not tested for observability.
-class Contest {
+class HypothesisTest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
 
@@ -35,41 +35,41 @@ class Contest {
   /// may cover only in part. `maps`: for each hypothesis an odometer with the map around it; if empty, the
   /// map of the odometer of judge() covers all hypotheses. A single map loaded for all would be unfair: two
   /// hypotheses near each other would be covered by the keyframes of both, and explain more points.
-  explicit Contest(const std::vector<Pose>& map_from_predicted,
-                   std::vector<std::unique_ptr<Odometer>> maps = {});
+  explicit HypothesisTest(const std::vector<Pose>& map_from_predicted,
+                          std::vector<std::unique_ptr<Odometer>> maps = {});
   /// A single hypothesis at which the robot is expected, without a search. `wins`: number of scans that
   /// fitted it already.
-  static Contest expected_at(const Pose& map_from_predicted, int wins);
+  static HypothesisTest expected_at(const Pose& map_from_predicted, int wins);
 
   /// A search found no contradiction to the hypothesis near this correction, though the map may cover only a
   /// part of its surroundings: its least inlier ratio becomes the lower one.
-  void note_standing(const Pose& map_from_predicted, const Excursion& excursion);
+  void note_uncontradicted(const Pose& map_from_predicted, const LostModeOdometry& lost_odometry);
 
   /// Whether the hypotheses have maps of their own.
-  bool is_elsewhere() const { return places_.front().map != nullptr; }
+  bool is_elsewhere() const { return hypotheses_.front().map != nullptr; }
   /// Tests one more scan, which lost-mode odometry has followed. The test goes on while the outcome is kOpen,
   /// and may go on after kWon.
-  Outcome judge(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion);
+  Outcome judge(Odometer& odometer, const PreparedScan& scan, const LostModeOdometry& lost_odometry);
   /// Whether the number of scans within which the test has to decide is used up.
   bool is_spent() const;
 
   /// Contribution of the scans to the log odds that the best hypothesis is the robot's place rather than that
-  /// the map does not cover this place; within +-kMostOfScans. It follows from the energy of the last scan
-  /// less its running median; its upper bound grows with the number of steep surfaces that the scans meet
-  /// there, since level ground fits everywhere. 0 if no scan was aligned before.
+  /// the map does not cover this hypothesis; within +-kMostOfScans. It follows from the energy of the last
+  /// scan less its running median; its upper bound grows with the number of steep surfaces that the scans
+  /// meet there, since level ground fits everywhere. 0 if no scan was aligned before.
   double log_odds() const;
 
   /// The reason for kUndecided, in words.
   const char* why_undecided() const;
 
   /// The alignment of the last scan at the best hypothesis.
-  const Attempt& attempt() const { return places_.front().attempt; }
-  const Pose& map_from_predicted() const { return places_.front().map_from_predicted; }
+  const Attempt& attempt() const { return hypotheses_.front().attempt; }
+  const Pose& map_from_predicted() const { return hypotheses_.front().map_from_predicted; }
   /// All hypotheses that are not refuted, the best first.
-  std::vector<Pose> places() const;
+  std::vector<Pose> hypotheses() const;
 
  private:
-  struct Place {
+  struct Hypothesis {
     Pose map_from_predicted;
     std::unique_ptr<Odometer> map;  ///< null: the odometer of judge() is used
     double least_share = 0;         ///< least inlier ratio of a scan that fits, over the running median
@@ -90,16 +90,16 @@ class Contest {
     double near_metres() const { return tried ? 0.1 : 0.5; }
     double near_radians() const { return (tried ? 2.0 : 3.0) * kDegree; }
   };
-  bool fits(const Attempt& attempt, const Place& place, double most) const;
-  void look_near(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
-                 Place& place) const;
-  void try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion, double most,
-                 int* far_looks, Place& place) const;
+  bool fits(const Attempt& attempt, const Hypothesis& hypothesis, double most) const;
+  void look_near(Odometer& odometer, const PreparedScan& scan, const LostModeOdometry& lost_odometry,
+                 Hypothesis& hypothesis) const;
+  void try_hypothesis(Odometer& odometer, const PreparedScan& scan, const LostModeOdometry& lost_odometry,
+                      double most, int* far_looks, Hypothesis& hypothesis) const;
   void note_explained(const PreparedScan& scan, const Pose& predicted, bool anew);
-  bool is_worse(const Place& place, const Place& other) const;
+  bool is_worse(const Hypothesis& hypothesis, const Hypothesis& other) const;
   void drop_losers(const Pose& predicted);
 
-  std::vector<Place> places_;  ///< never empty; the best hypothesis first
+  std::vector<Hypothesis> hypotheses_;  ///< never empty; the best hypothesis first
   /// Cubes of the predicted frame: index in `patches` and `points_` by Morton key. The points of one cube
   /// share an error.
   std::map<std::uint64_t, std::size_t> patches_;

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "odometry/relocation.hpp"
+#include "odometry/relocalisation.hpp"
 
 #include <doctest/doctest.h>
 
@@ -15,7 +15,7 @@ namespace {
 /// A robot at rest that was kidnapped, and the answers of a search: its true pose, or a rival.
 struct Displaced {
   explicit Displaced(const TrackerConfig& config)
-      : hall(config), first(hall.scan(0)), odometer(config), relocation(config) {
+      : hall(config), first(hall.scan(0)), odometer(config), relocalisation(config) {
     odometer.start(0, first, {});
   }
 
@@ -39,8 +39,8 @@ struct Displaced {
 
   void lose() {
     odometer.set_pose(lost);
-    relocation.distrust(0, 0, first, odometer, 1);
-    relocation.begin(odometer, std::nullopt, false, archive);
+    relocalisation.distrust(0, 0, first, odometer, 1);
+    relocalisation.begin(odometer, std::nullopt, false, archive);
   }
 
   /// Loses the robot in the map of the halls, loaded around the true pose.
@@ -51,9 +51,9 @@ struct Displaced {
   }
 
   /// Answers a request by a search that found `place`. False: there was no request.
-  bool propose(unsigned i, const std::vector<Pose>& rivals, double log_odds = kBelieved, double voxel = 0.1,
-               const Pose& place = Pose::Identity()) {
-    const auto request = relocation.take_request(100000 * i, archive, std::nullopt);
+  bool propose(unsigned i, const std::vector<Pose>& runners_up, double log_odds = kBelieved,
+               double voxel = 0.1, const Pose& place = Pose::Identity()) {
+    const auto request = relocalisation.take_request(100000 * i, archive, std::nullopt);
     if (!request) return false;
     RecoveryAnswer answer;
     answer.serial = request->serial;
@@ -63,19 +63,19 @@ struct Displaced {
     answer.voxel = voxel;
     answer.certified = true;
     answer.map_from_predicted = place * lost.inverse();
-    for (const Pose& rival : rivals) answer.rivals.push_back(rival * lost.inverse());
-    relocation.give(answer, archive, first.voxel, odometer);
+    for (const Pose& runner_up : runners_up) answer.runners_up.push_back(runner_up * lost.inverse());
+    relocalisation.give(answer, archive, first.voxel, odometer);
     return true;
   }
 
   /// Follows scans until a hypothesis is accepted, or for four seconds.
-  Relocation::Outcome follow(const Pose& rival) {
-    auto outcome = Relocation::Outcome::kLost;
+  Relocalisation::Outcome follow(const Pose& runner_up) {
+    auto outcome = Relocalisation::Outcome::kLost;
     bool proposed = false;
     Attempt attempt;
-    for (unsigned i = 1; i < 40 && outcome == Relocation::Outcome::kLost; ++i) {
-      outcome = relocation.follow(100000 * i, 0.1, hall.scan(i), odometer, &attempt);
-      if (!proposed) proposed = propose(i, {rival});
+    for (unsigned i = 1; i < 40 && outcome == Relocalisation::Outcome::kLost; ++i) {
+      outcome = relocalisation.follow(100000 * i, 0.1, hall.scan(i), odometer, &attempt);
+      if (!proposed) proposed = propose(i, {runner_up});
     }
     REQUIRE(proposed);
     return outcome;
@@ -84,7 +84,7 @@ struct Displaced {
   PreparedHall hall;
   PreparedScan first;
   Odometer odometer;
-  Relocation relocation;
+  Relocalisation relocalisation;
   KeyframeArchive archive{10000000};
   Pose lost{Eigen::Translation3d(20, 60, 0)};
 };
@@ -97,8 +97,8 @@ TEST_CASE("a place is not believed before its twin, which the map at hand does n
   const Pose twin(Eigen::Translation3d(40, 0, 0));
   Displaced robot(config);
   robot.lose_in({Pose::Identity(), twin});
-  CHECK(robot.follow(twin) == Relocation::Outcome::kLost);
-  CHECK(robot.relocation.state() == TrackingState::kAmbiguous);
+  CHECK(robot.follow(twin) == Relocalisation::Outcome::kLost);
+  CHECK(robot.relocalisation.state() == TrackingState::kAmbiguous);
 }
 
 TEST_CASE("twins that scans have not told apart stay rivals when a later search finds another place") {
@@ -108,24 +108,24 @@ TEST_CASE("twins that scans have not told apart stay rivals when a later search 
   Displaced robot(config);
   robot.lose_in({Pose::Identity(), twin});
   Attempt attempt;
-  auto outcome = Relocation::Outcome::kLost;
+  auto outcome = Relocalisation::Outcome::kLost;
   int given = 0;
-  for (unsigned i = 1; i < 14 && outcome == Relocation::Outcome::kLost; ++i) {
-    outcome = robot.relocation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
+  for (unsigned i = 1; i < 14 && outcome == Relocalisation::Outcome::kLost; ++i) {
+    outcome = robot.relocalisation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
     const bool again = given == 1;
     if (given < 2)
       given += robot.propose(i, again ? std::vector<Pose>() : std::vector<Pose>{twin}, kBelieved,
                              again ? 0.2 : 0.1, again ? elsewhere : Pose::Identity());
   }
   REQUIRE(given == 2);
-  CHECK(outcome == Relocation::Outcome::kLost);
+  CHECK(outcome == Relocalisation::Outcome::kLost);
 }
 
 TEST_CASE("a rival that the archive does not show better does not take the map away") {
   Displaced robot(TrackerConfig{});
   robot.remember({Pose::Identity()});
   robot.lose();
-  CHECK(robot.follow(Pose(Eigen::Translation3d(0, 0, 6))) == Relocation::Outcome::kFound);
+  CHECK(robot.follow(Pose(Eigen::Translation3d(0, 0, 6))) == Relocalisation::Outcome::kFound);
   CHECK(robot.odometer.map().keyframes().size() == 1);
 }
 
@@ -138,15 +138,15 @@ TEST_CASE("two searches on different scales say the same of a place in either or
       // So rough that the scans lower the log odds as much as they can.
       robot.lose_in({Pose::Identity()}, 0.2f);
       Attempt attempt;
-      auto outcome = Relocation::Outcome::kLost;
+      auto outcome = Relocalisation::Outcome::kLost;
       int given = 0;
-      for (unsigned i = 1; i < 40 && outcome == Relocation::Outcome::kLost; ++i) {
-        outcome = robot.relocation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
+      for (unsigned i = 1; i < 40 && outcome == Relocalisation::Outcome::kLost; ++i) {
+        outcome = robot.relocalisation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
         const double share = (given == 0) == more_first ? 0.95 : 0.3, least = kBelieved + kMostOfScans;
         if (given < 2) given += robot.propose(i, {}, share * least, same_scale ? 0.1 : 0.1 + 0.1 * given);
       }
       REQUIRE(given == 2);
-      CHECK((outcome == Relocation::Outcome::kFound) == !same_scale);
+      CHECK((outcome == Relocalisation::Outcome::kFound) == !same_scale);
     }
   }
 }
@@ -158,16 +158,16 @@ TEST_CASE("scans that fit less closely than usual speak against what a search fi
     Displaced robot(TrackerConfig{});
     robot.lose_in({Pose::Identity()}, rough ? 0.2f : 0, map != "in part");
     Attempt attempt;
-    auto outcome = Relocation::Outcome::kLost;
+    auto outcome = Relocalisation::Outcome::kLost;
     bool given = false;
-    for (unsigned i = 1; i < 20 && outcome == Relocation::Outcome::kLost; ++i) {
-      outcome = robot.relocation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
+    for (unsigned i = 1; i < 20 && outcome == Relocalisation::Outcome::kLost; ++i) {
+      outcome = robot.relocalisation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
       if (!given) given = robot.propose(i, {}, kBelieved - 0.2 * kMostOfScans);
     }
     REQUIRE(given);
     CHECK(attempt.alignment.moving.pose.translation().norm() < (rough ? 0.2 : 0.1));
-    CHECK((outcome == Relocation::Outcome::kFound) == !rough);
-    const auto ended = robot.relocation.take_ended();
+    CHECK((outcome == Relocalisation::Outcome::kFound) == !rough);
+    const auto ended = robot.relocalisation.take_ended();
     REQUIRE(ended);
     CHECK((ended->reason.find("log odds of") == 0) == rough);
   }
@@ -179,11 +179,11 @@ TEST_CASE("searches that end while a place is being tried speak for and against 
     Displaced robot(TrackerConfig{});
     robot.lose_in({Pose::Identity()}, against ? 0 : 0.2f);
     Attempt attempt;
-    auto outcome = Relocation::Outcome::kLost;
+    auto outcome = Relocalisation::Outcome::kLost;
     int given = 0, first = 0, second = 0;
-    for (int i = 1; i < 20 && outcome == Relocation::Outcome::kLost; ++i) {
+    for (int i = 1; i < 20 && outcome == Relocalisation::Outcome::kLost; ++i) {
       const auto at = static_cast<unsigned>(i);
-      outcome = robot.relocation.follow(100000 * at, 0.1, robot.hall.scan(at), robot.odometer, &attempt);
+      outcome = robot.relocalisation.follow(100000 * at, 0.1, robot.hall.scan(at), robot.odometer, &attempt);
       // The log odds of the first search and the scans suffice where the scans fit as usual, and not in a
       // rough map.
       const double log_odds = given == 0 ? kBelieved - 0.4 * kMostOfScans
@@ -194,6 +194,6 @@ TEST_CASE("searches that end while a place is being tried speak for and against 
     }
     REQUIRE(given == 2);
     CHECK(second - first < 3);
-    CHECK((outcome == Relocation::Outcome::kFound) == !against);
+    CHECK((outcome == Relocalisation::Outcome::kFound) == !against);
   }
 }

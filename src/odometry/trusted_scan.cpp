@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "odometry/sighting.hpp"
+#include "odometry/trusted_scan.hpp"
 
 #include <algorithm>
 
@@ -14,8 +14,8 @@ constexpr std::int64_t kComparable =
 
 }  // namespace
 
-Sighting sighting(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving) {
-  Sighting result;
+TrustedScan trusted_scan(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving) {
+  TrustedScan result;
   result.map_from_body = moving.pose;
   result.utime = utime;
   result.twist = moving.twist;
@@ -25,7 +25,7 @@ Sighting sighting(std::int64_t utime, const PreparedScan& scan, const MovingPose
 }
 
 /// Motion distorts both scans, and the same velocity distorts both alike: only its change is compensated.
-double contradiction(const Sighting& before, std::int64_t utime, const PreparedScan& scan,
+double contradiction(const TrustedScan& before, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& now) {
   if (before.rays.empty() || scan.rays.empty() || utime - before.utime > kComparable) return 0;
   const MovingPose change{Pose::Identity(), now.twist - before.twist};

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "odometry/excursion.hpp"
+#include "odometry/lost_mode_odometry.hpp"
 
 #include <doctest/doctest.h>
 
@@ -10,7 +10,8 @@
 namespace scanlock {
 namespace {
 
-/// The velocity along x, m/s, that lost-mode odometry (Excursion) finds where another velocity is predicted.
+/// The velocity along x, m/s, that lost-mode odometry (LostModeOdometry) finds where another velocity is
+/// predicted.
 double found_velocity(double velocity, double predicted, int scans) {
   const TrackerConfig config;
   VoxelScale scale(config.map_points_per_scan, config.min_voxel_m, config.max_voxel_m);
@@ -22,9 +23,9 @@ double found_velocity(double velocity, double predicted, int scans) {
     const CroppedScan cropped = crop(seen.points, config.min_range_m, config.max_range_m);
     return thin_scan(seen.points, cropped, &scale, i == 0, config.max_source_points);
   };
-  Excursion excursion(config, 0, scan(0), {Pose::Identity(), guess});
-  for (int i = 1; i <= scans; ++i) excursion.follow(100000 * i, 0.1, scan(i));
-  return excursion.state().twist[0];
+  LostModeOdometry lost_odometry(config, 0, scan(0), {Pose::Identity(), guess});
+  for (int i = 1; i <= scans; ++i) lost_odometry.follow(100000 * i, 0.1, scan(i));
+  return lost_odometry.state().twist[0];
 }
 
 }  // namespace

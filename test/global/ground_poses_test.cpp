@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "global/stand_poses.hpp"
+#include "global/ground_poses.hpp"
 
 #include <doctest/doctest.h>
 
@@ -24,7 +24,7 @@ PointCloud corner() {
     cloud.nx.push_back(normal.x());
     cloud.ny.push_back(normal.y());
     cloud.nz.push_back(normal.z());
-    cloud.eyes.push_back(kStand.cast<float>());
+    cloud.viewpoints.push_back(kStand.cast<float>());
   };
   for (int i = 0; i < 60; ++i) add({5, 0.2f * static_cast<float>(i) - 6, 1}, {-1, 0, 0});
   for (int i = 0; i < 25; ++i) add({0.2f * static_cast<float>(i), 6, 1}, {0, -1, 0});
@@ -33,18 +33,18 @@ PointCloud corner() {
 
 std::vector<Pose> poses_of(const PointCloud& source, const PointCloud& target,
                            const std::vector<Eigen::Vector3d>& ups = {}) {
-  const StandPoses stands =
-      stand_poses(source, target, SeenSpace(target, static_cast<float>(kVoxel)), kVoxel, ups);
+  const GroundPoses body_ups =
+      ground_poses(source, target, SeenSpace(target, static_cast<float>(kVoxel)), kVoxel, ups);
   std::vector<Pose> poses;
-  for (const Eigen::Matrix3d& attitude : stands.attitudes) {
-    for (const Eigen::Vector3d& place : stands.places) {
+  for (const Eigen::Matrix3d& attitude : body_ups.attitudes) {
+    for (const Eigen::Vector3d& place : body_ups.places) {
       Pose pose = Pose::Identity();
       pose.linear() = attitude;
       pose.translation() = place;
       poses.push_back(pose);
     }
   }
-  CHECK(poses.size() == stands.size());
+  CHECK(poses.size() == body_ups.size());
   return poses;
 }
 
@@ -60,7 +60,7 @@ PointCloud two_storeys() {
       cloud.nx.push_back(walls.nx[i]);
       cloud.ny.push_back(walls.ny[i]);
       cloud.nz.push_back(walls.nz[i]);
-      cloud.eyes.push_back(eye);
+      cloud.viewpoints.push_back(eye);
     }
     for (int i = 0; i < 25; ++i) {
       for (int j = 0; j < 60; ++j) {
@@ -68,7 +68,7 @@ PointCloud two_storeys() {
         cloud.nx.push_back(0);
         cloud.ny.push_back(0);
         cloud.nz.push_back(1);
-        cloud.eyes.push_back(eye);
+        cloud.viewpoints.push_back(eye);
       }
     }
   }
@@ -104,7 +104,7 @@ TEST_CASE("among trunks, which look all ways, a sensor is looked for in every he
       wood.nx.push_back(normal.x());
       wood.ny.push_back(normal.y());
       wood.nz.push_back(0);
-      wood.eyes.push_back(kStand.cast<float>());
+      wood.viewpoints.push_back(kStand.cast<float>());
     }
   }
   for (const double yaw : {0.3, 1.4, -2.2}) {
@@ -162,7 +162,7 @@ TEST_CASE("clouds without steep surfaces or eyes give no guesses") {
   std::fill(level.nz.begin(), level.nz.end(), 1.0f);
   CHECK(poses_of(level, corner()).empty());
   PointCloud blind = corner();
-  blind.eyes.clear();
+  blind.viewpoints.clear();
   CHECK(poses_of(corner(), blind).empty());
 }
 
@@ -173,7 +173,7 @@ TEST_CASE("of a body that stood in many ways no more poses are looked at") {
     target.nx.push_back(-1);
     target.ny.push_back(0);
     target.nz.push_back(0);
-    target.eyes.push_back({0.5f * static_cast<float>(k % 80), 0.5f * static_cast<float>(k / 80), 0});
+    target.viewpoints.push_back({0.5f * static_cast<float>(k % 80), 0.5f * static_cast<float>(k / 80), 0});
   }
   std::vector<Eigen::Vector3d> ups;
   for (int k = 0; k < 100; ++k) ups.push_back(Eigen::Vector3d(0.01 * k, 0.02, 1).normalized());

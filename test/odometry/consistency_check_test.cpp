@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "odometry/prior_judge.hpp"
+#include "odometry/consistency_check.hpp"
 
 #include <doctest/doctest.h>
 
@@ -41,7 +41,7 @@ TrackedScan tracked_at(int scan) {
 }  // namespace
 
 TEST_CASE("motion and attitude are turned from the body to the sensor") {
-  PriorJudge judge(kMount);
+  ConsistencyCheck judge(kMount);
   CHECK_FALSE(judge.prior(sample_at(0)).motion);  // there is no scan before
   judge.learn(sample_at(0), tracked_at(0));
   const ScanPrior prior = judge.prior(sample_at(1));
@@ -53,13 +53,13 @@ TEST_CASE("motion and attitude are turned from the body to the sensor") {
 }
 
 TEST_CASE("priors that agree are never blamed") {
-  PriorJudge judge(kMount);
+  ConsistencyCheck judge(kMount);
   for (int i = 0; i < 200; ++i) CHECK_FALSE(judge.learn(sample_at(i), tracked_at(i)));
   CHECK(judge.contradictions() == 0);
 }
 
 TEST_CASE("odometry that contradicts is withheld and comes back when it agrees") {
-  PriorJudge judge(kMount);
+  ConsistencyCheck judge(kMount);
   judge.learn(sample_at(0), tracked_at(0));
   int withheld_at = -1;
   Pose wrong = body_at(0);
@@ -82,7 +82,7 @@ TEST_CASE("odometry that contradicts is withheld and comes back when it agrees")
 }
 
 TEST_CASE("one slip is no reason to withhold") {
-  PriorJudge judge(kMount);
+  ConsistencyCheck judge(kMount);
   Pose slipped = Pose::Identity();
   for (int i = 0; i < 30; ++i) {
     if (i % 10 == 9) slipped = slipped * exp6(0.5, 0, 0, 0, 0, 0);
@@ -93,7 +93,7 @@ TEST_CASE("one slip is no reason to withhold") {
 }
 
 TEST_CASE("an attitude that tilts away from the scans is withheld") {
-  PriorJudge judge(kMount);
+  ConsistencyCheck judge(kMount);
   for (int i = 0; i < 30; ++i) judge.learn(sample_at(i), tracked_at(i));
   const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()));
   for (int i = 30; i < 36; ++i) {
@@ -107,7 +107,7 @@ TEST_CASE("an attitude that tilts away from the scans is withheld") {
 }
 
 TEST_CASE("a tracker that is lost or jumped is no judge") {
-  PriorJudge judge(kMount);
+  ConsistencyCheck judge(kMount);
   for (int i = 0; i < 30; ++i) {
     TrackedScan tracked = tracked_at(i);
     tracked.map_from_body.translation().x() += 5 * i;

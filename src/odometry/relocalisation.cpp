@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "odometry/relocation.hpp"
+#include "odometry/relocalisation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,71 +40,71 @@ std::string insufficient(double log_odds, const char* by) {
 
 }  // namespace
 
-void Relocation::distrust(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer,
-                          double energy) {
+void Relocalisation::distrust(std::int64_t utime, double dt, const PreparedScan& scan,
+                              const Odometer& odometer, double energy) {
   energy_before_ = energy;
   depart_or_follow(utime, dt, scan, odometer);
 }
 
-void Relocation::begin(const Odometer& odometer, const std::optional<Sighting>& last_seen, bool looks_alike,
-                       const KeyframeArchive& archive) {
+void Relocalisation::begin(const Odometer& odometer, const std::optional<TrustedScan>& last_trusted,
+                           bool looks_alike, const KeyframeArchive& archive) {
   lost_ = true;
   looks_alike_ = looks_alike;
   nothing_found_ = false;
   scans_ = 0;
   state_ = archive.empty() ? TrackingState::kLost : TrackingState::kRecovering;
-  last_seen_ = last_seen;
-  search_.begin(last_seen ? std::optional<Eigen::Vector3d>(odometer.state().pose.translation())
-                          : std::nullopt);
+  last_trusted_ = last_trusted;
+  search_.begin(last_trusted ? std::optional<Eigen::Vector3d>(odometer.state().pose.translation())
+                             : std::nullopt);
 }
 
-void Relocation::end() {
+void Relocalisation::end() {
   lost_ = false;
-  excursion_.reset();
-  candidate_.reset();
+  lost_odometry_.reset();
+  running_test_.reset();
   elsewhere_ = false;
   search_.begin_anew();
 }
 
-Relocation::Outcome Relocation::follow(std::int64_t utime, double dt, const PreparedScan& scan,
-                                       Odometer& odometer, Attempt* attempt) {
+Relocalisation::Outcome Relocalisation::follow(std::int64_t utime, double dt, const PreparedScan& scan,
+                                               Odometer& odometer, Attempt* attempt) {
   ++scans_;
   depart_or_follow(utime, dt, scan, odometer);
   Outcome outcome = Outcome::kLost;
-  if (candidate_) {
+  if (running_test_) {
     outcome = confirm(scan, odometer, attempt);
   } else {
-    feel(utime, scan, odometer, attempt);
+    relocalise_locally(utime, scan, odometer, attempt);
   }
-  if (outcome == Outcome::kLost) follow_excursion(dt, odometer);
+  if (outcome == Outcome::kLost) follow_lost_odometry(dt, odometer);
   return outcome;
 }
 
-void Relocation::coast(double dt, Odometer& odometer) {
-  excursion_->coast(dt);
-  follow_excursion(dt, odometer);
+void Relocalisation::coast(double dt, Odometer& odometer) {
+  lost_odometry_->coast(dt);
+  follow_lost_odometry(dt, odometer);
 }
 
 /// Where lost-mode odometry begins anew the gate widens by the motion that may have gone unobserved.
-void Relocation::depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan,
-                                  const Odometer& odometer) {
-  if (excursion_ && excursion_->follow(utime, dt, scan)) return;
-  if (excursion_ && candidate_) refuse("the scans that followed do not fit each other: ");
+void Relocalisation::depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan,
+                                      const Odometer& odometer) {
+  if (lost_odometry_ && lost_odometry_->follow(utime, dt, scan)) return;
+  if (lost_odometry_ && running_test_) refuse("the scans that followed do not fit each other: ");
   search_.begin_anew();
-  finds_.clear();
+  search_results_.clear();
   undecided_.clear();
   const Matrix12& covariance = odometer.covariance();
   gate_m_ = 0.5 + 3.0 * std::sqrt(covariance.diagonal().head<3>().maxCoeff());
   gate_rad_ = 3.0 * kDegree + 3.0 * std::sqrt(covariance.diagonal().segment<3>(3).maxCoeff());
-  if (!excursion_) excursion_.emplace(config_, utime, scan, odometer.state());
+  if (!lost_odometry_) lost_odometry_.emplace(config_, utime, scan, odometer.state());
 }
 
 /// The odometer's state becomes that of lost-mode odometry, which has measured the motion: the covariance of
 /// the prediction does not grow.
-void Relocation::follow_excursion(double dt, Odometer& odometer) const {
+void Relocalisation::follow_lost_odometry(double dt, Odometer& odometer) const {
   MotionPrior prior = odometer.predict(0);
   prior.ahead_s = dt;
-  prior.mean = excursion_->state();
+  prior.mean = lost_odometry_->state();
   odometer.coast(prior);
 }
 
@@ -112,71 +112,73 @@ void Relocation::follow_excursion(double dt, Odometer& odometer) const {
 /// and at the last trusted pose. An alignment that ends farther off is left to the certified search. Where
 /// the place may be another that looks like the expected one, it is accepted only if the search, too, finds
 /// nothing likelier.
-void Relocation::feel(std::int64_t utime, const PreparedScan& scan, Odometer& odometer, Attempt* attempt) {
+void Relocalisation::relocalise_locally(std::int64_t utime, const PreparedScan& scan, Odometer& odometer,
+                                        Attempt* attempt) {
   const bool better_ask = looks_alike_ && (!nothing_found_ || state_ == TrackingState::kAmbiguous);
-  if (!last_seen_ || odometer.empty() || better_ask) return;
-  const bool standing = scans_ % 2 == 0;
-  const MovingPose& predicted = excursion_->state();
+  if (!last_trusted_ || odometer.empty() || better_ask) return;
+  const bool uncontradicted = scans_ % 2 == 0;
+  const MovingPose& predicted = lost_odometry_->state();
   MotionPrior prior;
   prior.mean = predicted;
-  if (standing) prior.mean.pose = last_seen_->map_from_body;
-  prior.information = prior_information(gate_m_, gate_rad_, excursion_->covariance());
+  if (uncontradicted) prior.mean.pose = last_trusted_->map_from_body;
+  prior.information = prior_information(gate_m_, gate_rad_, lost_odometry_->covariance());
   *attempt = odometer.probe(scan, prior, gate_m_ < kFarGate ? Reach::kNear : Reach::kFar, Sides::kBoth);
   const Pose& found = attempt->alignment.moving.pose;
-  const bool there = standing ? near(found, last_seen_->map_from_body, 0.5, 5.0 * kDegree)
-                              : near(found, predicted.pose, gate_m_, gate_rad_);
+  const bool there = uncontradicted ? near(found, last_trusted_->map_from_body, 0.5, 5.0 * kDegree)
+                                    : near(found, predicted.pose, gate_m_, gate_rad_);
   // On new ground a scan distorted by a wrong velocity may fit better; the gap from the measured one excludes
   // it.
   if (!there || !explains(*attempt, kJumpScore) || squared_gap(prior, attempt->alignment.moving) > kMostGap)
     return;
-  looks_alike_ =
-      looks_alike_ || contradiction(*last_seen_, utime, scan, attempt->alignment.moving) > kMostContradiction;
+  looks_alike_ = looks_alike_ ||
+                 contradiction(*last_trusted_, utime, scan, attempt->alignment.moving) > kMostContradiction;
   if (!looks_alike_ || nothing_found_)
-    candidate_ =
-        Candidate{Contest::expected_at(renormalised(found * predicted.pose.inverse()), 1), std::nullopt};
+    running_test_ = RunningTest{
+        HypothesisTest::expected_at(renormalised(found * predicted.pose.inverse()), 1), std::nullopt};
 }
 
 /// Tests the hypotheses with this scan, and accepts one where the evidence is sufficient.
-Relocation::Outcome Relocation::confirm(const PreparedScan& scan, Odometer& odometer, Attempt* attempt) {
-  const Contest::Outcome outcome = candidate_->contest.judge(odometer, scan, *excursion_);
-  *attempt = candidate_->contest.attempt();
-  if (outcome == Contest::Outcome::kRefuted) refuse("the scans that followed do not fit: ");
-  if (outcome == Contest::Outcome::kUndecided) {
-    if (candidate_->answer) {
-      if (log_odds_of(*candidate_) >= kBelieved) state_ = TrackingState::kAmbiguous;
-      undecided_ = candidate_->contest.places();
+Relocalisation::Outcome Relocalisation::confirm(const PreparedScan& scan, Odometer& odometer,
+                                                Attempt* attempt) {
+  const HypothesisTest::Outcome outcome = running_test_->test.judge(odometer, scan, *lost_odometry_);
+  *attempt = running_test_->test.attempt();
+  if (outcome == HypothesisTest::Outcome::kRefuted) refuse("the scans that followed do not fit: ");
+  if (outcome == HypothesisTest::Outcome::kUndecided) {
+    if (running_test_->answer) {
+      if (log_odds_of(*running_test_) >= kBelieved) state_ = TrackingState::kAmbiguous;
+      undecided_ = running_test_->test.hypotheses();
     }
-    refuse(std::string(candidate_->contest.why_undecided()) + ": ");
+    refuse(std::string(running_test_->test.why_undecided()) + ": ");
   }
-  if (outcome != Contest::Outcome::kWon) return Outcome::kLost;
-  const bool searched = candidate_->answer.has_value();
+  if (outcome != HypothesisTest::Outcome::kWon) return Outcome::kLost;
+  const bool searched = running_test_->answer.has_value();
   if (searched) {
-    const double log_odds = log_odds_of(*candidate_);
+    const double log_odds = log_odds_of(*running_test_);
     if (log_odds < kBelieved) {  // the next search may add evidence
-      if (candidate_->contest.is_spent())
+      if (running_test_->test.is_spent())
         refuse(insufficient(log_odds, "all searches and the scans that followed"));
       return Outcome::kLost;
     }
-    ended_ = recovery_of(*candidate_->answer);
+    ended_ = recovery_of(*running_test_->answer);
     ended_->accepted = true;
-    ended_->map_from_predicted = candidate_->contest.map_from_predicted();
+    ended_->map_from_predicted = running_test_->test.map_from_predicted();
     ended_->energy_after = attempt->health.energy;
   }
-  elsewhere_ = candidate_->contest.is_elsewhere();
-  candidate_.reset();
-  return searched ? Outcome::kFound : Outcome::kFelt;
+  elsewhere_ = running_test_->test.is_elsewhere();
+  running_test_.reset();
+  return searched ? Outcome::kFound : Outcome::kLocally;
 }
 
-void Relocation::refuse(const std::string& why) {
-  if (candidate_->answer) {
-    ended_ = recovery_of(*candidate_->answer);
+void Relocalisation::refuse(const std::string& why) {
+  if (running_test_->answer) {
+    ended_ = recovery_of(*running_test_->answer);
     ended_->reason.insert(0, why);
-    ended_->energy_after = candidate_->contest.attempt().health.energy;
+    ended_->energy_after = running_test_->test.attempt().health.energy;
   }
-  candidate_.reset();
+  running_test_.reset();
 }
 
-Recovery Relocation::recovery_of(const RecoveryAnswer& answer) const {
+Recovery Relocalisation::recovery_of(const RecoveryAnswer& answer) const {
   Recovery recovery;
   recovery.search = answer;
   recovery.map_from_predicted = answer.map_from_predicted;
@@ -185,47 +187,51 @@ Recovery Relocation::recovery_of(const RecoveryAnswer& answer) const {
   return recovery;
 }
 
-bool Relocation::gives_up() const {
-  if (!lost_ || !excursion_ || candidate_ || excursion_->followed_s() < config_.new_map_after_s) return false;
-  if (last_seen_) return true;
-  const std::vector<ArchivedKeyframe>& seen = excursion_->seen().keyframes();
+bool Relocalisation::gives_up() const {
+  if (!lost_ || !lost_odometry_ || running_test_ || lost_odometry_->followed_s() < config_.new_map_after_s)
+    return false;
+  if (last_trusted_) return true;
+  const std::vector<ArchivedKeyframe>& seen = lost_odometry_->seen().keyframes();
   return !seen.empty() &&
-         (excursion_->state().pose.translation() - seen.front().map_from_body.translation()).norm() >
+         (lost_odometry_->state().pose.translation() - seen.front().map_from_body.translation()).norm() >
              kSameSpot * static_cast<double>(seen.front().reach);
 }
 
-std::optional<RecoveryRequest> Relocation::take_request(std::int64_t utime, const KeyframeArchive& archive,
-                                                        const std::optional<Eigen::Vector3d>& up) {
-  if (!lost_ || !excursion_ || (candidate_ && !(candidate_->answer && sees_more()))) return std::nullopt;
-  std::optional<RecoveryRequest> request = search_.next(utime, excursion_->surroundings(), archive, up);
+std::optional<RecoveryRequest> Relocalisation::take_request(std::int64_t utime,
+                                                            const KeyframeArchive& archive,
+                                                            const std::optional<Eigen::Vector3d>& up) {
+  if (!lost_ || !lost_odometry_ || (running_test_ && !(running_test_->answer && sees_more())))
+    return std::nullopt;
+  std::optional<RecoveryRequest> request = search_.next(utime, lost_odometry_->surroundings(), archive, up);
   if (request) request->undecided = undecided_;
   return request;
 }
 
 /// Whether another search can add evidence: for each number of keyframes one search on each scale can.
-bool Relocation::sees_more() const {
-  const std::size_t keyframes = excursion_->seen().keyframes().size();
-  return std::count_if(finds_.begin(), finds_.end(),
-                       [&](const Find& f) { return f.keyframes == keyframes; }) < kSearchScales;
+bool Relocalisation::sees_more() const {
+  const std::size_t keyframes = lost_odometry_->seen().keyframes().size();
+  return std::count_if(search_results_.begin(), search_results_.end(),
+                       [&](const SearchResult& f) { return f.keyframes == keyframes; }) < kSearchScales;
 }
 
-void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
-                      const Odometer& odometer) {
+void Relocalisation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
+                          const Odometer& odometer) {
   const bool found = answer.verdict == PlaceVerdict::kFound;
-  const bool gone = last_seen_ && answer.missing > kImpossible;
+  const bool gone = last_trusted_ && answer.missing > kImpossible;
   if (gone) answer.log_odds = std::min(answer.log_odds, -before());
   const bool likely = answer.log_odds + before() > 0;
-  if (!search_.take(answer.serial, likely, answer.little, answer.cost_s) || !lost_ || !excursion_) return;
-  const bool planar = excursion_->planar();
+  if (!search_.take(answer.serial, likely, answer.little, answer.cost_s) || !lost_ || !lost_odometry_) return;
+  const bool planar = lost_odometry_->planar();
   nothing_found_ = !found || (!planar && !likely);
   // A likely result, even if not proven to be the largest consensus, is tested beside later ones.
   const bool counts = (found && !(planar && answer.little)) || (!planar && likely);
   if (counts)
-    finds_.insert(finds_.begin(), {answer.map_from_predicted, answer.log_odds,
-                                   excursion_->seen().keyframes().size(), answer.voxel});
-  if (finds_.size() > kMostFinds) finds_.pop_back();
+    search_results_.insert(search_results_.begin(),
+                           {answer.map_from_predicted, answer.log_odds,
+                            lost_odometry_->seen().keyframes().size(), answer.voxel});
+  if (search_results_.size() > kMostResults) search_results_.pop_back();
   if (!found) {
-    if (!candidate_ && state_ != TrackingState::kAmbiguous && search_.looked_everywhere())
+    if (!running_test_ && state_ != TrackingState::kAmbiguous && search_.looked_everywhere())
       state_ = TrackingState::kLost;
     ended_ = recovery_of(answer);
     return;
@@ -242,8 +248,8 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
                                     : insufficient(log_odds, "all searches"));
     return;
   }
-  if (candidate_ && candidate_->answer) {
-    const std::vector<Pose> tried = candidate_->contest.places();
+  if (running_test_ && running_test_->answer) {
+    const std::vector<Pose> tried = running_test_->test.hypotheses();
     if (std::any_of(tried.begin(), tried.end(), [&](const Pose& place) {
           return agree(place, answer.map_from_predicted, kAgreeMetres, kAgreeRadians);
         })) {
@@ -254,23 +260,24 @@ void Relocation::give(RecoveryAnswer answer, const KeyframeArchive& archive, dou
     undecided_ = tried;  // to be tested beside the new one
     refuse("a later search finds another place: ");
   }
-  std::vector<Pose> places = rivals_of(answer);
+  std::vector<Pose> places = runners_up_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
-  Contest contest(places, maps_of(places, archive, voxel, odometer));
-  for (const Pose& standing : answer.standing) contest.note_standing(standing, *excursion_);
-  candidate_ = Candidate{std::move(contest), std::move(answer), log_odds};
+  HypothesisTest test(places, maps_of(places, archive, voxel, odometer));
+  for (const Pose& uncontradicted : answer.uncontradicted)
+    test.note_uncontradicted(uncontradicted, *lost_odometry_);
+  running_test_ = RunningTest{std::move(test), std::move(answer), log_odds};
 }
 
 /// The evidence of the results that agree with this hypothesis. Of searches from the same keyframes on the
 /// same scale only the newest counts: the earlier ones rest on the same data.
-Relocation::Support Relocation::support_of(const Pose& map_from_predicted) const {
+Relocalisation::Support Relocalisation::support_of(const Pose& map_from_predicted) const {
   Support support;
   std::vector<double> log_odds;
-  std::vector<const Find*> counted;
-  for (const Find& find : finds_) {
+  std::vector<const SearchResult*> counted;
+  for (const SearchResult& find : search_results_) {
     if (!agree(find.map_from_predicted, map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
     ++support.finds;
-    const auto says_the_same = [&](const Find* f) {
+    const auto says_the_same = [&](const SearchResult* f) {
       return f->keyframes == find.keyframes && f->voxel == find.voxel;
     };
     if (std::any_of(counted.begin(), counted.end(), says_the_same)) continue;
@@ -283,27 +290,27 @@ Relocation::Support Relocation::support_of(const Pose& map_from_predicted) const
 
 /// Log odds that the best hypothesis of the test is right, by all searches and by the last scan. A hypothesis
 /// that no search found likeliest has the log odds of the search that named it.
-double Relocation::log_odds_of(const Candidate& candidate) const {
-  if (excursion_->planar()) return candidate.log_odds;
-  const Support support = support_of(candidate.contest.map_from_predicted());
-  return (support.finds > 0 ? before() + support.log_odds : candidate.log_odds) +
-         candidate.contest.log_odds();
+double Relocalisation::log_odds_of(const RunningTest& candidate) const {
+  if (lost_odometry_->planar()) return candidate.log_odds;
+  const Support support = support_of(candidate.test.map_from_predicted());
+  return (support.finds > 0 ? before() + support.log_odds : candidate.log_odds) + candidate.test.log_odds();
 }
 
 /// An odometer in a map around each hypothesis, so that scans decide fairly between them; none where the
 /// odometer's map shows all of them. Archived keyframes are thinner than the map at hand, and are not loaded
 /// for a runner-up that they do not show better.
-std::vector<std::unique_ptr<Odometer>> Relocation::maps_of(const std::vector<Pose>& places,
-                                                           const KeyframeArchive& archive, double voxel,
-                                                           const Odometer& odometer) const {
+std::vector<std::unique_ptr<Odometer>> Relocalisation::maps_of(const std::vector<Pose>& places,
+                                                               const KeyframeArchive& archive, double voxel,
+                                                               const Odometer& odometer) const {
   std::vector<Eigen::Vector3d> centres;
   bool covered = true;
   for (const Pose& place : places) {
-    const Eigen::Vector3d& centre = centres.emplace_back((place * excursion_->state().pose).translation());
+    const Eigen::Vector3d& centre =
+        centres.emplace_back((place * lost_odometry_->state().pose).translation());
     const double away = distance_to(odometer.map().keyframes(), centre);
-    const bool rival = centres.size() > 1;
+    const bool runner_up = centres.size() > 1;
     covered = covered && (away < kCovered * archive.scene(centre) ||
-                          (rival && away < kAsNear * distance_to(archive.keyframes(), centre)));
+                          (runner_up && away < kAsNear * distance_to(archive.keyframes(), centre)));
   }
   std::vector<std::unique_ptr<Odometer>> maps;
   if (covered) return maps;
@@ -317,30 +324,30 @@ std::vector<std::unique_ptr<Odometer>> Relocation::maps_of(const std::vector<Pos
 
 /// The hypotheses to test beside that of the answer: also earlier search results, and those that were
 /// undecided before, because a few matches more or less do not decide between them.
-std::vector<Pose> Relocation::rivals_of(const RecoveryAnswer& answer) const {
-  std::vector<Pose> rivals;
+std::vector<Pose> Relocalisation::runners_up_of(const RecoveryAnswer& answer) const {
+  std::vector<Pose> runners_up;
   const auto add = [&](const Pose& place) {
     const auto is_place = [&](const Pose& other) { return agree(other, place, kTakenPlace, kTakenHeading); };
     const bool taken =
-        is_place(answer.map_from_predicted) || std::any_of(rivals.begin(), rivals.end(), is_place);
-    if (!taken && rivals.size() + 1 < kMostPlaces) rivals.push_back(place);
+        is_place(answer.map_from_predicted) || std::any_of(runners_up.begin(), runners_up.end(), is_place);
+    if (!taken && runners_up.size() + 1 < kMostPlaces) runners_up.push_back(place);
   };
   for (const Pose& place : undecided_) add(place);
-  for (const Find& find : finds_)
+  for (const SearchResult& find : search_results_)
     if (find.log_odds > 0) add(find.map_from_predicted);
-  for (const Pose& place : answer.rivals) add(place);
-  for (const Find& find : finds_) add(find.map_from_predicted);
-  return rivals;
+  for (const Pose& place : answer.runners_up) add(place);
+  for (const SearchResult& find : search_results_) add(find.map_from_predicted);
+  return runners_up;
 }
 
 /// Whether two corrections put the robot at the same place.
-bool Relocation::agree(const Pose& a, const Pose& b, double metres, double radians) const {
-  const Pose& predicted = excursion_->state().pose;
+bool Relocalisation::agree(const Pose& a, const Pose& b, double metres, double radians) const {
+  const Pose& predicted = lost_odometry_->state().pose;
   return near(a * predicted, b * predicted, metres, radians);
 }
 
-void Relocation::propose_here() {
-  candidate_ = Candidate{Contest::expected_at(Pose::Identity(), 0), std::nullopt};
+void Relocalisation::propose_here() {
+  running_test_ = RunningTest{HypothesisTest::expected_at(Pose::Identity(), 0), std::nullopt};
 }
 
 }  // namespace scanlock

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "odometry/sighting.hpp"
+#include "odometry/trusted_scan.hpp"
 
 #include <doctest/doctest.h>
 
@@ -21,7 +21,7 @@ PreparedScan prepared(const Pose& pose, const Vector6& twist, unsigned seed) {
 TEST_CASE("a motion that changes from one scan to the next is no contradiction") {
   const Pose here = Pose::Identity();
   const Vector6 before = yaw(-3), now = yaw(3);
-  const Sighting last = sighting(0, prepared(here, before, 1), {here, before});
+  const TrustedScan last = trusted_scan(0, prepared(here, before, 1), {here, before});
   CHECK(contradiction(last, 100000, prepared(here, now, 2), {here, now}) < 0.02);
   // Motion distortion is not removed.
   CHECK(contradiction(last, 100000, prepared(here, now, 2), {here, before}) > 0.05);
@@ -30,7 +30,7 @@ TEST_CASE("a motion that changes from one scan to the next is no contradiction")
 TEST_CASE("two places contradict, but for those who do not know what was there a moment ago") {
   const Pose here = Pose::Identity(), other(Eigen::Translation3d(-6, 5, 0));
   const PreparedScan first = prepared(here, Vector6::Zero(), 1), second = prepared(other, Vector6::Zero(), 2);
-  Sighting last = sighting(0, first, {here, Vector6::Zero()});
+  TrustedScan last = trusted_scan(0, first, {here, Vector6::Zero()});
   CHECK(contradiction(last, 100000, second, {other, Vector6::Zero()}) < 0.02);
   CHECK(contradiction(last, 100000, second, {here, Vector6::Zero()}) > 3 * kMostContradiction);
   CHECK(contradiction(last, 4100000, second, {here, Vector6::Zero()}) == 0);

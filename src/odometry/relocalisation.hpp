@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "odometry/contest.hpp"
-#include "odometry/excursion.hpp"
+#include "odometry/hypothesis_test.hpp"
 #include "odometry/keyframe_archive.hpp"
+#include "odometry/lost_mode_odometry.hpp"
 #include "odometry/odometer.hpp"
 #include "odometry/place_search.hpp"
-#include "odometry/sighting.hpp"
 #include "odometry/tracked_scan.hpp"
+#include "odometry/trusted_scan.hpp"
 
 namespace scanlock {
 
@@ -23,15 +23,15 @@ namespace scanlock {
 /// relocalisation near the prediction and the last trusted pose, requests for global searches, and the test
 /// of the hypotheses on the scans that follow. The odometer is the tracker's: its map stays as it is, its
 /// state follows lost-mode odometry.
-class Relocation {
+class Relocalisation {
  public:
   enum class Outcome : std::int8_t {
     kLost,
-    kFelt,   ///< local relocalisation: at the prediction, the last trusted pose, or a pose that was given
-    kFound,  ///< relocalised at a hypothesis of a global search
+    kLocally,  ///< local relocalisation: at the prediction, the last trusted pose, or a pose that was given
+    kFound,    ///< relocalised at a hypothesis of a global search
   };
 
-  explicit Relocation(const TrackerConfig& config)
+  explicit Relocalisation(const TrackerConfig& config)
       : config_(config), search_(config.search_cores, PlaceSearch::Parts::kWide) {}
 
   /// Takes a scan that the map does not explain; `energy`: of its alignment (0 to 1).
@@ -40,7 +40,7 @@ class Relocation {
   /// The robot is lost at the odometer's state. `last_seen`: the last trusted scan; nullopt in a map that was
   /// loaded, where the pose is not known. `looks_alike`: a scan fits there, but the robot may be at another
   /// place that looks like the expected one.
-  void begin(const Odometer& odometer, const std::optional<Sighting>& last_seen, bool looks_alike,
+  void begin(const Odometer& odometer, const std::optional<TrustedScan>& last_trusted, bool looks_alike,
              const KeyframeArchive& archive);
   /// Scans are explained again, or the map is another: discards what was seen since the robot was lost.
   void end();
@@ -50,10 +50,10 @@ class Relocation {
   /// prediction for this scan.
   Outcome follow(std::int64_t utime, double dt, const PreparedScan& scan, Odometer& odometer,
                  Attempt* attempt);
-  /// The same for a scan without points; only where has_excursion().
+  /// The same for a scan without points; only where has_lost_odometry().
   void coast(double dt, Odometer& odometer);
   /// The upward direction by an attitude sensor, for the scan that was followed last; body axes, unit.
-  void note_up(const Eigen::Vector3d& up_in_body) { excursion_->note_up(up_in_body); }
+  void note_up(const Eigen::Vector3d& up_in_body) { lost_odometry_->note_up(up_in_body); }
 
   /// The next search, when one is due and none is unanswered. `up`: upward direction in the map frame, where
   /// it was measured.
@@ -67,28 +67,28 @@ class Relocation {
   bool lost() const { return lost_; }
   /// Whether the accepted hypothesis is at a place that the odometer's map does not show.
   bool is_elsewhere() const { return elsewhere_; }
-  bool has_excursion() const { return excursion_.has_value(); }
+  bool has_lost_odometry() const { return lost_odometry_.has_value(); }
   /// kRecovering, kAmbiguous or kLost.
   TrackingState state() const { return state_; }
   /// Whether scans have fitted each other for new_map_after_s without a hypothesis under test, so that the
   /// robot goes on in the map of lost-mode odometry. In a map that was loaded only after it has moved: until
   /// then it is searched for from where it stands.
   bool gives_up() const;
-  /// Only where has_excursion().
-  const Excursion& excursion() const { return *excursion_; }
-  Excursion& excursion() { return *excursion_; }
+  /// Only where has_lost_odometry().
+  const LostModeOdometry& lost_odometry() const { return *lost_odometry_; }
+  LostModeOdometry& lost_odometry() { return *lost_odometry_; }
   /// The attempt at relocalisation that ended since the last call, if any.
   std::optional<Recovery> take_ended() { return std::exchange(ended_, std::nullopt); }
 
  private:
   /// Hypotheses that are being tested on the scans that follow.
-  struct Candidate {
-    Contest contest;
+  struct RunningTest {
+    HypothesisTest test;
     std::optional<RecoveryAnswer> answer;  ///< of the search; none for local relocalisation and a given pose
     double log_odds = 0;                   ///< by that search and those before it
   };
   /// The likeliest hypothesis of a search.
-  struct Find {
+  struct SearchResult {
     Pose map_from_predicted;
     double log_odds;
     std::size_t keyframes;  ///< that lost-mode odometry had by then
@@ -100,35 +100,36 @@ class Relocation {
     int finds = 0;  ///< number of search results that name it
   };
   void depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan, const Odometer& odometer);
-  void feel(std::int64_t utime, const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
+  void relocalise_locally(std::int64_t utime, const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
   Outcome confirm(const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
   void refuse(const std::string& why);
-  void follow_excursion(double dt, Odometer& odometer) const;
+  void follow_lost_odometry(double dt, Odometer& odometer) const;
   std::vector<std::unique_ptr<Odometer>> maps_of(const std::vector<Pose>& places,
                                                  const KeyframeArchive& archive, double voxel,
                                                  const Odometer& odometer) const;
   Support support_of(const Pose& map_from_predicted) const;
-  double log_odds_of(const Candidate& candidate) const;
+  double log_odds_of(const RunningTest& candidate) const;
   bool sees_more() const;
   /// Log odds before any search: kInOwnMap, or 0 in a map that was loaded, which need not show the place.
-  double before() const { return last_seen_ ? kInOwnMap : 0; }
-  std::vector<Pose> rivals_of(const RecoveryAnswer& answer) const;
+  double before() const { return last_trusted_ ? kInOwnMap : 0; }
+  std::vector<Pose> runners_up_of(const RecoveryAnswer& answer) const;
   bool agree(const Pose& a, const Pose& b, double metres, double radians) const;
   Recovery recovery_of(const RecoveryAnswer& answer) const;
 
   TrackerConfig config_;
   bool lost_ = false;
   TrackingState state_ = TrackingState::kRecovering;
-  std::optional<Sighting> last_seen_;
+  std::optional<TrustedScan> last_trusted_;
   bool looks_alike_ = false;    ///< the robot may be at another place that looks like the expected one
   bool nothing_found_ = false;  ///< the last search found no likely place
   int scans_ = 0;               ///< since the robot was lost
-  std::optional<Excursion> excursion_;
+  std::optional<LostModeOdometry> lost_odometry_;
   double gate_m_ = 0, gate_rad_ = 0;  ///< how far the prediction may be off where lost-mode odometry began
   double energy_before_ = 1;
-  std::optional<Candidate> candidate_;
+  std::optional<RunningTest> running_test_;
   bool elsewhere_ = false;
-  std::vector<Find> finds_;      ///< of the searches since lost-mode odometry began, the newest first
+  std::vector<SearchResult>
+      search_results_;           ///< of the searches since lost-mode odometry began, the newest first
   std::vector<Pose> undecided_;  ///< hypotheses that its scans fitted equally well
   PlaceSearch search_;
   std::optional<Recovery> ended_;

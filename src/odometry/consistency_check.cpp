@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "odometry/prior_judge.hpp"
+#include "odometry/consistency_check.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ std::string printed(const char* format, double a, double b) {
 
 }  // namespace
 
-bool PriorJudge::Trust::count(bool contradicts) {
+bool ConsistencyCheck::Trust::count(bool contradicts) {
   contradictions += contradicts ? 1 : 0;
   strikes = std::clamp(strikes + (contradicts ? 1 : -1), 0, kMostStrikes);
   const bool before = trusted;
@@ -41,13 +41,13 @@ bool PriorJudge::Trust::count(bool contradicts) {
   return trusted != before;
 }
 
-std::optional<Pose> PriorJudge::sensor_motion(const PriorSample& sample) const {
+std::optional<Pose> ConsistencyCheck::sensor_motion(const PriorSample& sample) const {
   if (!any_ || !sample.odometry || !last_sample_.odometry) return std::nullopt;
   const Pose body_motion = last_sample_.odometry->inverse() * *sample.odometry;
   return body_from_sensor_.inverse() * body_motion * body_from_sensor_;
 }
 
-ScanPrior PriorJudge::prior(const PriorSample& sample) const {
+ScanPrior ConsistencyCheck::prior(const PriorSample& sample) const {
   ScanPrior prior;
   if (motion_.trusted) prior.motion = sensor_motion(sample);
   if (level_.trusted && sample.level_from_body)
@@ -55,7 +55,7 @@ ScanPrior PriorJudge::prior(const PriorSample& sample) const {
   return prior;
 }
 
-std::optional<std::string> PriorJudge::learn(const PriorSample& sample, const TrackedScan& tracked) {
+std::optional<std::string> ConsistencyCheck::learn(const PriorSample& sample, const TrackedScan& tracked) {
   if (tracked.verdict == ScanVerdict::kDuplicateTime || tracked.verdict == ScanVerdict::kBackwardTime)
     return std::nullopt;  // the tracker did not use the scan either
   std::optional<std::string> motion = learn_motion(sample, tracked), level = learn_level(sample, tracked);
@@ -66,7 +66,8 @@ std::optional<std::string> PriorJudge::learn(const PriorSample& sample, const Tr
   return motion ? motion : level;
 }
 
-std::optional<std::string> PriorJudge::learn_motion(const PriorSample& sample, const TrackedScan& tracked) {
+std::optional<std::string> ConsistencyCheck::learn_motion(const PriorSample& sample,
+                                                          const TrackedScan& tracked) {
   const std::optional<Pose> said = sensor_motion(sample);
   if (!said || !sure(tracked) || !sure(last_tracked_) || tracked.epoch != last_tracked_.epoch)
     return std::nullopt;
@@ -82,7 +83,8 @@ std::optional<std::string> PriorJudge::learn_motion(const PriorSample& sample, c
          ", and is ignored until it agrees; do its axes, its frame and its units fit the body?";
 }
 
-std::optional<std::string> PriorJudge::learn_level(const PriorSample& sample, const TrackedScan& tracked) {
+std::optional<std::string> ConsistencyCheck::learn_level(const PriorSample& sample,
+                                                         const TrackedScan& tracked) {
   if (any_ && tracked.epoch != last_tracked_.epoch) up_.reset();  // of another map frame
   if (!sample.level_from_body || !sure(tracked)) return std::nullopt;
   const Eigen::Quaterniond level_from_sensor =

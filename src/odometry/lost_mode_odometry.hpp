@@ -15,10 +15,10 @@ namespace scanlock {
 
 /// Lost-mode odometry: the motion of a lost robot in a map of its scans since it was lost. It begins at the
 /// predicted pose, so that its frame is the predicted map frame.
-class Excursion {
+class LostModeOdometry {
  public:
-  Excursion(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan,
-            const MovingPose& predicted);
+  LostModeOdometry(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan,
+                   const MovingPose& predicted);
 
   /// Follows one scan, `dt` seconds after the last one. False for a scan that does not fit: the odometry
   /// begins anew with it, at its predicted pose, or at its aligned one where only the velocity was wrong.

@@ -11,7 +11,7 @@
 namespace scanlock {
 
 /// Poses of a source in a target: every attitude at every place.
-struct StandPoses {
+struct GroundPoses {
   std::vector<Eigen::Matrix3d> attitudes;  ///< rotations, target from source
   std::vector<Eigen::Vector3d> places;     ///< of the source's origin in the target, metres
   std::size_t size() const { return attitudes.size() * places.size(); }
@@ -23,7 +23,7 @@ struct StandPoses {
 /// two clouds have similar normals. `source`: with normals, its origin is the sensor origin; `target`: with
 /// normals and viewpoints; `space`: that of the target; `voxel`: metres, of both. `ups`: directions of the
 /// target's frame that may be the source's z axis; empty: the z axis.
-StandPoses stand_poses(const PointCloud& source, const PointCloud& target, const SeenSpace& space,
-                       double voxel, const std::vector<Eigen::Vector3d>& ups);
+GroundPoses ground_poses(const PointCloud& source, const PointCloud& target, const SeenSpace& space,
+                         double voxel, const std::vector<Eigen::Vector3d>& ups);
 
 }  // namespace scanlock

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "odometry/contest.hpp"
+#include "odometry/hypothesis_test.hpp"
 
 #include <doctest/doctest.h>
 
@@ -19,51 +19,52 @@ namespace {
 const Pose kThere(Eigen::Translation3d(40, 0, 0));
 
 struct Ending {
-  Contest::Outcome outcome;
+  HypothesisTest::Outcome outcome;
   Pose place;
   std::string why_undecided;
   double log_odds;
 };
 
 /// The ending of a contest in a map, for a sensor at rest in the hall, all of which it sees.
-Ending ending_of(Contest contest, const std::vector<ArchivedKeyframe>& map,
-                 const std::optional<Pose>& standing = std::nullopt) {
+Ending ending_of(HypothesisTest test, const std::vector<ArchivedKeyframe>& map,
+                 const std::optional<Pose>& uncontradicted = std::nullopt) {
   const TrackerConfig config;
   PreparedHall hall(config);
   const PreparedScan first = hall.scan(0);
   Odometer odometer(config);
   odometer.start(0, first, {});
   odometer.reload(map, {20, 0, 0}, first.voxel);
-  Excursion excursion(config, 0, first, {});
-  if (standing) contest.note_standing(*standing, excursion);
-  Contest::Outcome outcome = Contest::Outcome::kOpen;
-  for (unsigned i = 1; outcome == Contest::Outcome::kOpen; ++i) {
+  LostModeOdometry lost_odometry(config, 0, first, {});
+  if (uncontradicted) test.note_uncontradicted(*uncontradicted, lost_odometry);
+  HypothesisTest::Outcome outcome = HypothesisTest::Outcome::kOpen;
+  for (unsigned i = 1; outcome == HypothesisTest::Outcome::kOpen; ++i) {
     const PreparedScan next = hall.scan(i);
-    excursion.follow(100000 * i, 0.1, next);
-    outcome = contest.judge(odometer, next, excursion);
+    lost_odometry.follow(100000 * i, 0.1, next);
+    outcome = test.judge(odometer, next, lost_odometry);
   }
-  return {outcome, contest.map_from_predicted(), contest.why_undecided(), contest.log_odds()};
+  return {outcome, test.map_from_predicted(), test.why_undecided(), test.log_odds()};
 }
 
-Ending contest_of(const std::vector<ArchivedKeyframe>& map, const std::vector<Pose>& places, bool standing) {
-  return ending_of(Contest(places), map, standing ? std::optional(places.back()) : std::nullopt);
+Ending test_of(const std::vector<ArchivedKeyframe>& map, const std::vector<Pose>& places,
+               bool uncontradicted) {
+  return ending_of(HypothesisTest(places), map, uncontradicted ? std::optional(places.back()) : std::nullopt);
 }
 
 /// The ending of a contest between the hall, which the map shows as a whole, and an equal hall 40 m away, of
 /// which the map shows one half.
-Ending between_twins(bool standing) {
+Ending between_twins(bool uncontradicted) {
   Scan map;
   map.points = hall_map();
-  return contest_of({archived(Pose::Identity(), map.points), archived(kThere, half_of(map).points)},
-                    {Pose::Identity(), kThere}, standing);
+  return test_of({archived(Pose::Identity(), map.points), archived(kThere, half_of(map).points)},
+                 {Pose::Identity(), kThere}, uncontradicted);
 }
 
 }  // namespace
 
 TEST_CASE("that the map knows little of a place does not speak against one that still stands") {
-  CHECK(between_twins(false).outcome == Contest::Outcome::kWon);
+  CHECK(between_twins(false).outcome == HypothesisTest::Outcome::kWon);
   const Ending open = between_twins(true);
-  CHECK(open.outcome == Contest::Outcome::kUndecided);
+  CHECK(open.outcome == HypothesisTest::Outcome::kUndecided);
   CHECK(open.why_undecided == "the scans that followed fit several places alike");
 }
 
@@ -72,9 +73,9 @@ TEST_CASE(
   Scan map;
   map.points = hall_map();
   const PointCloud most = covered(map, [](float x, float y, float) { return x < 3 || y < 0; }).points;
-  const Ending ending = contest_of({archived(Pose::Identity(), most), archived(kThere, half_of(map).points)},
-                                   {kThere, Pose::Identity()}, false);
-  CHECK(ending.outcome == Contest::Outcome::kUndecided);
+  const Ending ending = test_of({archived(Pose::Identity(), most), archived(kThere, half_of(map).points)},
+                                {kThere, Pose::Identity()}, false);
+  CHECK(ending.outcome == HypothesisTest::Outcome::kUndecided);
   CHECK(near(ending.place, Pose::Identity(), 0.1, 0.1));
 }
 
@@ -82,21 +83,21 @@ TEST_CASE("where it is expected, without a search, a robot has to be explained a
   Scan map;
   map.points = hall_map();
   const auto ending = [](const PointCloud& points) {
-    return ending_of(Contest::expected_at(Pose::Identity(), 0), {archived(Pose::Identity(), points)});
+    return ending_of(HypothesisTest::expected_at(Pose::Identity(), 0), {archived(Pose::Identity(), points)});
   };
-  CHECK(ending(map.points).outcome == Contest::Outcome::kWon);
-  CHECK(ending(half_of(map).points).outcome == Contest::Outcome::kRefuted);
+  CHECK(ending(map.points).outcome == HypothesisTest::Outcome::kWon);
+  CHECK(ending(half_of(map).points).outcome == HypothesisTest::Outcome::kRefuted);
 }
 
 TEST_CASE("places that look alike are told apart by what only one of them explains, if that is much") {
   Scan map;
   map.points = hall_map();
   const auto against = [&](const PointCloud& twin) {
-    return contest_of({archived(Pose::Identity(), map.points), archived(kThere, twin)},
-                      {kThere, Pose::Identity()}, false);
+    return test_of({archived(Pose::Identity(), map.points), archived(kThere, twin)},
+                   {kThere, Pose::Identity()}, false);
   };
   const Ending alike = against(map.points);
-  CHECK(alike.outcome == Contest::Outcome::kUndecided);
+  CHECK(alike.outcome == HypothesisTest::Outcome::kUndecided);
   CHECK(alike.why_undecided == "the scans that followed fit several places alike");
   PointCloud one = map.points, many = map.points;
   for (std::size_t i = 0; i < map.points.size(); ++i) {
@@ -105,8 +106,8 @@ TEST_CASE("places that look alike are told apart by what only one of them explai
     if (p.y() > 7.9f) many.y[i] += 0.3f;                           // two walls
     if (p.x() > 11.9f) many.x[i] += 0.3f;
   }
-  CHECK(against(one).outcome == Contest::Outcome::kUndecided);
-  CHECK(against(many).outcome == Contest::Outcome::kWon);
+  CHECK(against(one).outcome == HypothesisTest::Outcome::kUndecided);
+  CHECK(against(many).outcome == HypothesisTest::Outcome::kWon);
 }
 
 TEST_CASE(
@@ -122,9 +123,9 @@ TEST_CASE(
     if (p.y() < -7.9f && cupboard(p.x())) other.y[i] += 0.4f;
     if (p.x() > 11.9f && cupboard(p.y())) other.x[i] -= 0.4f;
   }
-  const Ending ending = contest_of({archived(Pose::Identity(), part), archived(kThere, other)},
-                                   {Pose::Identity(), kThere}, false);
-  CHECK(ending.outcome == Contest::Outcome::kWon);
+  const Ending ending =
+      test_of({archived(Pose::Identity(), part), archived(kThere, other)}, {Pose::Identity(), kThere}, false);
+  CHECK(ending.outcome == HypothesisTest::Outcome::kWon);
   CHECK(near(ending.place, Pose::Identity(), 0.1, 0.01));
 }
 
@@ -138,7 +139,7 @@ TEST_CASE("scans speak for a place by what stands there, and against it by what 
     if (p.x() > 11.9f) moved.x[i] += 0.3f;
   }
   const auto said = [&](const PointCloud& map) {
-    return contest_of({archived(Pose::Identity(), map)}, {Pose::Identity()}, false).log_odds;
+    return test_of({archived(Pose::Identity(), map)}, {Pose::Identity()}, false).log_odds;
   };
   const double whole = said(all), shown_in_part = said(part);
   CHECK(whole > 3);
@@ -153,9 +154,9 @@ TEST_CASE("where two walls are 0.05 m off a place is not believed for a percent 
   PointCloud twin = map.points;
   for (float& x : twin.x) x += x > 11.9f ? 0.05f : 0.0f;
   for (float& y : twin.y) y += y > 7.9f ? 0.05f : 0.0f;
-  const Ending ending = contest_of({archived(Pose::Identity(), map.points), archived(kThere, twin)},
-                                   {kThere, Pose::Identity()}, false);
-  CHECK(ending.outcome == Contest::Outcome::kUndecided);
+  const Ending ending = test_of({archived(Pose::Identity(), map.points), archived(kThere, twin)},
+                                {kThere, Pose::Identity()}, false);
+  CHECK(ending.outcome == HypothesisTest::Outcome::kUndecided);
 }
 
 TEST_CASE(
@@ -168,14 +169,14 @@ TEST_CASE(
   const PreparedScan first = hall.scan(0);
   Odometer odometer(config);
   odometer.reload({archived(Pose::Identity(), map)}, Eigen::Vector3d::Zero(), first.voxel);
-  Excursion excursion(config, 0, first, {});
-  Contest contest({Pose::Identity()});
-  Contest::Outcome outcome = Contest::Outcome::kOpen;
-  for (unsigned i = 1; i < 6; ++i) excursion.follow(100000 * i, 0.1, hall.scan(i));
-  for (unsigned i = 6; outcome == Contest::Outcome::kOpen; ++i) {
+  LostModeOdometry lost_odometry(config, 0, first, {});
+  HypothesisTest test({Pose::Identity()});
+  HypothesisTest::Outcome outcome = HypothesisTest::Outcome::kOpen;
+  for (unsigned i = 1; i < 6; ++i) lost_odometry.follow(100000 * i, 0.1, hall.scan(i));
+  for (unsigned i = 6; outcome == HypothesisTest::Outcome::kOpen; ++i) {
     const PreparedScan next = hall.scan(i);
-    excursion.follow(100000 * i, 0.1, next);
-    outcome = contest.judge(odometer, next, excursion);
+    lost_odometry.follow(100000 * i, 0.1, next);
+    outcome = test.judge(odometer, next, lost_odometry);
   }
-  CHECK(outcome == Contest::Outcome::kWon);
+  CHECK(outcome == HypothesisTest::Outcome::kWon);
 }

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "odometry/excursion.hpp"
+#include "odometry/lost_mode_odometry.hpp"
 
 #include <utility>
 
@@ -14,15 +14,15 @@ constexpr double kShort = 0.3;
 
 }  // namespace
 
-Excursion::Excursion(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan,
-                     const MovingPose& predicted)
+LostModeOdometry::LostModeOdometry(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan,
+                                   const MovingPose& predicted)
     : config_(config),
       odometer_(std::make_unique<Odometer>(config)),
       seen_(static_cast<std::size_t>(config.max_archive_points)) {
   odometer_->start(utime, scan, predicted);
 }
 
-bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) {
+bool LostModeOdometry::follow(std::int64_t utime, double dt, const PreparedScan& scan) {
   const MotionPrior prior = odometer_->predict(dt);
   Attempt attempt = odometer_->awaits_second()
                         ? odometer_->align(part_of(scan, kDeskewPoints), prior, Reach::kNear)
@@ -46,19 +46,19 @@ bool Excursion::follow(std::int64_t utime, double dt, const PreparedScan& scan) 
     begin_anew(utime, scan, {now.pose, way});
     return false;
   }
-  odometer_->keep(utime, scan, attempt.health.share);
+  odometer_->keep(utime, scan, attempt.health.inlier_ratio);
   remember(utime, scan);
   attempt_ = std::move(attempt);
   ++scans_;
   return true;
 }
 
-Surroundings Excursion::surroundings() const {
+Surroundings LostModeOdometry::surroundings() const {
   const Pose& here = state().pose;
   return {odometer_->map(), here, seen_.empty() ? 0 : seen_.scene(here.translation()), scans_, up()};
 }
 
-void Excursion::begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted) {
+void LostModeOdometry::begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted) {
   odometer_->start(utime, scan, predicted);
   seen_.clear();
   bend_.setZero();
@@ -67,35 +67,35 @@ void Excursion::begin_anew(std::int64_t utime, const PreparedScan& scan, const M
   scans_ = 1;
 }
 
-void Excursion::remember(std::int64_t utime, const PreparedScan& scan) {
+void LostModeOdometry::remember(std::int64_t utime, const PreparedScan& scan) {
   const Pose& here = odometer_->state().pose;
   if (!seen_.wants(utime, here.translation(), scan.median_range)) return;
   const Matrix6 covariance = odometer_->take_new_drift();
-  std::optional<Constraint> tie;
-  if (!seen_.empty()) tie = tie_to(seen_.keyframes().back(), here, covariance);
-  seen_.add(utime, here, scan.median_range, deskewed(scan.source, odometer_->state()), tie);
+  std::optional<Constraint> constraint;
+  if (!seen_.empty()) constraint = constraint_to(seen_.keyframes().back(), here, covariance);
+  seen_.add(utime, here, scan.median_range, deskewed(scan.source, odometer_->state()), constraint);
 }
 
 /// True if the velocity is wrong: its mean difference from the motion between scans (`way`, per second) is
 /// too large. Scans that a wrong velocity distorts all alike still fit each other: no other test detects it.
-bool Excursion::is_bent(const Vector6& velocity, const Vector6& way) {
+bool LostModeOdometry::is_bent(const Vector6& velocity, const Vector6& way) {
   if (scans_ == 1) return false;  // the velocity at the first scan is a guess
   bend_ += kBendGain * (velocity - way - bend_);
   return bend_.head<3>().norm() > kBentMetres || bend_.tail<3>().norm() > kBentRadians;
 }
 
-void Excursion::coast(double dt) {
+void LostModeOdometry::coast(double dt) {
   blind_s_ += dt;
   if (blind_s_ > kCoastSeconds) followed_s_ = 0;
   odometer_->coast(odometer_->predict(dt));
   if (blind_s_ > kCoastSeconds) odometer_->stand();
 }
 
-void Excursion::note_up(const Eigen::Vector3d& up_in_body) {
+void LostModeOdometry::note_up(const Eigen::Vector3d& up_in_body) {
   up_sum_ += odometer_->state().pose.linear() * up_in_body;
 }
 
-std::optional<Eigen::Vector3d> Excursion::up() const {
+std::optional<Eigen::Vector3d> LostModeOdometry::up() const {
   // Length of the sum of unit vectors: below it they have no common direction.
   constexpr double kOneDirection = 0.5;
   if (!(up_sum_.norm() > kOneDirection)) return std::nullopt;

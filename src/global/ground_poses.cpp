@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "global/stand_poses.hpp"
+#include "global/ground_poses.hpp"
 
 #include <algorithm>
 #include <array>
@@ -114,9 +114,9 @@ class Lattice {
 /// The sensor origins of the cloud, and the places one step beside them.
 std::vector<Eigen::Vector3d> places_of_eyes(const PointCloud& cloud, double step) {
   Lattice lattice(step);
-  std::set<std::array<float, 3>> eyes;  // few, each shared by many points
-  for (const Eigen::Vector3f& eye : cloud.eyes) {
-    if (!eyes.insert({eye.x(), eye.y(), eye.z()}).second) continue;
+  std::set<std::array<float, 3>> viewpoints;  // few, each shared by many points
+  for (const Eigen::Vector3f& eye : cloud.viewpoints) {
+    if (!viewpoints.insert({eye.x(), eye.y(), eye.z()}).second) continue;
     for (int dx = -1; dx <= 1; ++dx) {
       for (int dy = -1; dy <= 1; ++dy) lattice.add(eye, dx, dy);
     }
@@ -151,9 +151,9 @@ void add_at_most(std::size_t most, double step, const PlacesBy& places_by,
 
 }  // namespace
 
-StandPoses stand_poses(const PointCloud& source, const PointCloud& target, const SeenSpace& space,
-                       double voxel, const std::vector<Eigen::Vector3d>& ups) {
-  StandPoses poses;
+GroundPoses ground_poses(const PointCloud& source, const PointCloud& target, const SeenSpace& space,
+                         double voxel, const std::vector<Eigen::Vector3d>& ups) {
+  GroundPoses poses;
   const std::vector<double> turns = likely_turns(headings(source), headings(target));
   for (const Eigen::Vector3d& up : ups_or_z(ups)) {
     for (double turn : turns)

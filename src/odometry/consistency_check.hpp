@@ -15,9 +15,9 @@ namespace scanlock {
 /// priors of the sensor, and compares each with the tracked scan. A source gets one strike for each scan that
 /// it contradicts, and loses one for each scan that it agrees with. It is withheld from kStrikesOut strikes
 /// on, until it has none left.
-class PriorJudge {
+class ConsistencyCheck {
  public:
-  explicit PriorJudge(const Pose& body_from_sensor) : body_from_sensor_(body_from_sensor) {}
+  explicit ConsistencyCheck(const Pose& body_from_sensor) : body_from_sensor_(body_from_sensor) {}
 
   /// The prior, of the sensor, for the scan at which `sample` was taken.
   ScanPrior prior(const PriorSample& sample) const;

@@ -1,6 +1,6 @@
 // Copyright (c) 2026 The scanlock authors
 // SPDX-License-Identifier: MIT
-#include "odometry/contest.hpp"
+#include "odometry/hypothesis_test.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -66,37 +66,39 @@ double log_odds_of_energy(double more) {
   return kOddsOfEnergy * (kMoreEnergy - more);
 }
 
-Contest::Contest(const std::vector<Pose>& map_from_predicted, std::vector<std::unique_ptr<Odometer>> maps) {
+HypothesisTest::HypothesisTest(const std::vector<Pose>& map_from_predicted,
+                               std::vector<std::unique_ptr<Odometer>> maps) {
   maps.resize(map_from_predicted.size());
   for (std::size_t i = 0; i < maps.size(); ++i) {
-    places_.emplace_back();
-    places_.back().map_from_predicted = map_from_predicted[i];
-    places_.back().map = std::move(maps[i]);
-    places_.back().least_share = kUsualShare;
+    hypotheses_.emplace_back();
+    hypotheses_.back().map_from_predicted = map_from_predicted[i];
+    hypotheses_.back().map = std::move(maps[i]);
+    hypotheses_.back().least_share = kUsualShare;
   }
-  places_.front().least_share = kKnownShare;
+  hypotheses_.front().least_share = kKnownShare;
 }
 
-Contest Contest::expected_at(const Pose& map_from_predicted, int wins) {
-  Contest contest({map_from_predicted});
-  Place& place = contest.places_.front();
-  place.least_share = kUsualShare;
-  place.tried = wins > 0;
-  contest.wins_ = wins;
-  contest.expected_ = true;
-  return contest;
+HypothesisTest HypothesisTest::expected_at(const Pose& map_from_predicted, int wins) {
+  HypothesisTest test({map_from_predicted});
+  Hypothesis& hypothesis = test.hypotheses_.front();
+  hypothesis.least_share = kUsualShare;
+  hypothesis.tried = wins > 0;
+  test.wins_ = wins;
+  test.expected_ = true;
+  return test;
 }
 
-void Contest::note_standing(const Pose& map_from_predicted, const Excursion& excursion) {
-  const Pose& predicted = excursion.state().pose;
-  for (auto rival = places_.begin() + 1; rival != places_.end(); ++rival) {
-    if (!same_place(rival->map_from_predicted, map_from_predicted, predicted, kSamePlace, kSameHeading))
+void HypothesisTest::note_uncontradicted(const Pose& map_from_predicted,
+                                         const LostModeOdometry& lost_odometry) {
+  const Pose& predicted = lost_odometry.state().pose;
+  for (auto runner_up = hypotheses_.begin() + 1; runner_up != hypotheses_.end(); ++runner_up) {
+    if (!same_place(runner_up->map_from_predicted, map_from_predicted, predicted, kSamePlace, kSameHeading))
       continue;
-    rival->least_share = kKnownShare;
+    runner_up->least_share = kKnownShare;
   }
 }
 
-double Contest::Place::explained() const {
+double HypothesisTest::Hypothesis::explained() const {
   return std::accumulate(patches.begin(), patches.end(), 0.0,
                          [](double sum, const Patch& patch) { return sum + patch.explained; });
 }
@@ -109,12 +111,12 @@ double Contest::Place::explained() const {
 /// regression is 1.0 (these figures, and the deviations at kChance, are of distances that were not scaled by
 /// the thickness of a surface). The difference also has to exceed kChance standard deviations of the counts,
 /// because between few points it may be chance.
-bool Contest::is_worse(const Place& place, const Place& other) const {
+bool HypothesisTest::is_worse(const Hypothesis& hypothesis, const Hypothesis& other) const {
   const double few =
       kFew * std::accumulate(points_.begin(), points_.end(), 0.0) / static_cast<double>(points_.size());
   double log_odds = 0, variance = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Place::Patch &here = place.patches[i], &there = other.patches[i];
+    const Hypothesis::Patch &here = hypothesis.patches[i], &there = other.patches[i];
     const double both = std::min(here.known, there.known) / points_[i];
     const double mean = few + 0.5 * (here.off() + there.off());
     log_odds += both * (log1p(here.off() / few) - log1p(there.off() / few));
@@ -123,8 +125,8 @@ bool Contest::is_worse(const Place& place, const Place& other) const {
   return log_odds > std::max(kBelieved, kChance * std::sqrt(variance));
 }
 
-double Contest::log_odds() const {
-  const Place& leader = places_.front();
+double HypothesisTest::log_odds() const {
+  const Hypothesis& leader = hypotheses_.front();
   const Health& health = leader.attempt.health;
   if (health.baseline <= 0) return 0;
   double stand_up = 0;
@@ -135,11 +137,11 @@ double Contest::log_odds() const {
 
 /// Adds the points of the scan at its predicted pose to the counts of the patches. `anew`: the earlier counts
 /// are discarded, because a hypothesis that fits for the first time was not aligned well enough before.
-void Contest::note_explained(const PreparedScan& scan, const Pose& predicted, bool anew) {
+void HypothesisTest::note_explained(const PreparedScan& scan, const Pose& predicted, bool anew) {
   if (anew) {
     patches_.clear();
     points_.clear();
-    for (Place& place : places_) place.patches.clear();
+    for (Hypothesis& hypothesis : hypotheses_) hypothesis.patches.clear();
     patch_ = Odometer::patch(scan);
   }
   for (std::size_t i = 0; i < scan.source.size(); ++i) {
@@ -149,12 +151,12 @@ void Contest::note_explained(const PreparedScan& scan, const Pose& predicted, bo
         patches_.emplace(morton_key(cell.x(), cell.y(), cell.z()), patches_.size()).first->second;
     points_.resize(patches_.size());
     ++points_[k];
-    for (Place& place : places_) {
-      place.patches.resize(patches_.size());
+    for (Hypothesis& hypothesis : hypotheses_) {
+      hypothesis.patches.resize(patches_.size());
       // A probe that ended with a part of the scan has no matches of its single points.
-      const bool whole = place.point_matches.size() == scan.source.size();
-      const PointMatch match = whole ? place.point_matches[i] : PointMatch{};
-      Place::Patch& patch = place.patches[k];
+      const bool whole = hypothesis.point_matches.size() == scan.source.size();
+      const PointMatch match = whole ? hypothesis.point_matches[i] : PointMatch{};
+      Hypothesis::Patch& patch = hypothesis.patches[k];
       patch.known += match.known ? 1 : 0;
       patch.explained += match.explained ? 1 : 0;
       patch.steep += match.steep ? 1 : 0;
@@ -164,123 +166,130 @@ void Contest::note_explained(const PreparedScan& scan, const Pose& predicted, bo
 
 /// `most`: the largest inlier ratio of all hypotheses. Points on surfaces that a coarse map lacks at all of
 /// them are no evidence against any.
-bool Contest::fits(const Attempt& attempt, const Place& place, double most) const {
-  const double usual = attempt.health.usual_share > 0 ? attempt.health.usual_share : kUnknownShare;
-  const double needed = std::max(place.least_share * std::min(usual, most), kKnownShare * usual);
+bool HypothesisTest::fits(const Attempt& attempt, const Hypothesis& hypothesis, double most) const {
+  const double usual =
+      attempt.health.median_inlier_ratio > 0 ? attempt.health.median_inlier_ratio : kUnknownShare;
+  const double needed = std::max(hypothesis.least_share * std::min(usual, most), kKnownShare * usual);
   // A map of another sensor or day explains scans less well than recent ones were explained: the z-score is
   // no evidence against the result of a search.
   return explains(attempt, expected_ ? kJumpScore : std::numeric_limits<double>::infinity()) &&
-         attempt.health.share >= needed &&
-         near(attempt.alignment.moving.pose, attempt.prior.mean.pose, 3.0 * place.near_metres(),
-              3.0 * place.near_radians());
+         attempt.health.inlier_ratio >= needed &&
+         near(attempt.alignment.moving.pose, attempt.prior.mean.pose, 3.0 * hypothesis.near_metres(),
+              3.0 * hypothesis.near_radians());
 }
 
-void Contest::look_near(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion,
-                        Place& place) const {
-  const MovingPose& predicted = excursion.state();
+void HypothesisTest::look_near(Odometer& odometer, const PreparedScan& scan,
+                               const LostModeOdometry& lost_odometry, Hypothesis& hypothesis) const {
+  const MovingPose& predicted = lost_odometry.state();
   MotionPrior prior;
-  prior.mean = {renormalised(place.map_from_predicted * predicted.pose), predicted.twist};
-  prior.information = prior_information(place.near_metres(), place.near_radians(), excursion.covariance());
-  place.attempt = odometer.align(scan, prior, Reach::kNear, Sides::kBoth);
-  place.point_matches = odometer.point_matches();
+  prior.mean = {renormalised(hypothesis.map_from_predicted * predicted.pose), predicted.twist};
+  prior.information =
+      prior_information(hypothesis.near_metres(), hypothesis.near_radians(), lost_odometry.covariance());
+  hypothesis.attempt = odometer.align(scan, prior, Reach::kNear, Sides::kBoth);
+  hypothesis.point_matches = odometer.point_matches();
 }
 
-void Contest::try_place(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion, double most,
-                        int* far_looks, Place& place) const {
-  if (place.is_due() && !fits(place.attempt, place, most) && *far_looks > 0) {
+void HypothesisTest::try_hypothesis(Odometer& odometer, const PreparedScan& scan,
+                                    const LostModeOdometry& lost_odometry, double most, int* far_looks,
+                                    Hypothesis& hypothesis) const {
+  if (hypothesis.is_due() && !fits(hypothesis.attempt, hypothesis, most) && *far_looks > 0) {
     --*far_looks;
-    place.looked_far = true;
-    Attempt far = odometer.probe(scan, place.attempt.prior, Reach::kFar, Sides::kBoth);
-    if (far.cost() < place.attempt.cost()) {
-      place.attempt = std::move(far);
-      place.point_matches = odometer.point_matches();
+    hypothesis.looked_far = true;
+    Attempt far = odometer.probe(scan, hypothesis.attempt.prior, Reach::kFar, Sides::kBoth);
+    if (far.cost() < hypothesis.attempt.cost()) {
+      hypothesis.attempt = std::move(far);
+      hypothesis.point_matches = odometer.point_matches();
     }
   }
-  place.fits = fits(place.attempt, place, most);
-  if (place.fits) {
-    place.map_from_predicted =
-        renormalised(place.attempt.alignment.moving.pose * excursion.state().pose.inverse());
-    place.tried = true;
-  } else if (!place.is_due()) {
-    ++place.missed;
+  hypothesis.fits = fits(hypothesis.attempt, hypothesis, most);
+  if (hypothesis.fits) {
+    hypothesis.map_from_predicted =
+        renormalised(hypothesis.attempt.alignment.moving.pose * lost_odometry.state().pose.inverse());
+    hypothesis.tried = true;
+  } else if (!hypothesis.is_due()) {
+    ++hypothesis.missed;
   }
 }
 
-Contest::Outcome Contest::judge(Odometer& odometer, const PreparedScan& scan, const Excursion& excursion) {
-  const Pose led_by = places_.front().map_from_predicted;
+HypothesisTest::Outcome HypothesisTest::judge(Odometer& odometer, const PreparedScan& scan,
+                                              const LostModeOdometry& lost_odometry) {
+  const Pose led_by = hypotheses_.front().map_from_predicted;
   const bool led = wins_ > 0;
-  odometer.take_usual_from(excursion.odometer());
+  odometer.take_usual_from(lost_odometry.odometer());
   int far_looks = kFarLooks;
   bool anew = patches_.empty();
-  const auto map_of = [&](Place& place) -> Odometer& { return place.map ? *place.map : odometer; };
+  const auto map_of = [&](Hypothesis& hypothesis) -> Odometer& {
+    return hypothesis.map ? *hypothesis.map : odometer;
+  };
   double most = expected_ ? 1 : 0;
-  for (Place& place : places_) {
-    if (place.map) place.map->take_usual_from(odometer);
-    look_near(map_of(place), scan, excursion, place);
-    most = std::max(most, place.attempt.health.share);
+  for (Hypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.map) hypothesis.map->take_usual_from(odometer);
+    look_near(map_of(hypothesis), scan, lost_odometry, hypothesis);
+    most = std::max(most, hypothesis.attempt.health.inlier_ratio);
   }
-  for (Place& place : places_) {
-    const bool tried = place.tried;
-    try_place(map_of(place), scan, excursion, most, &far_looks, place);
-    anew = anew || (place.tried && !tried);
+  for (Hypothesis& hypothesis : hypotheses_) {
+    const bool tried = hypothesis.tried;
+    try_hypothesis(map_of(hypothesis), scan, lost_odometry, most, &far_looks, hypothesis);
+    anew = anew || (hypothesis.tried && !tried);
   }
-  note_explained(scan, excursion.state().pose, anew);
-  std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
+  note_explained(scan, lost_odometry.state().pose, anew);
+  std::stable_sort(hypotheses_.begin(), hypotheses_.end(), [](const Hypothesis& a, const Hypothesis& b) {
     return a.fits != b.fits ? a.fits : a.explained() > b.explained();
   });
-  drop_losers(excursion.state().pose);
-  const Place& leader = places_.front();
+  drop_losers(lost_odometry.state().pose);
+  const Hypothesis& leader = hypotheses_.front();
   if (!leader.fits) {
     wins_ = 0;
     return leader.missed > kMissesAllowed ? Outcome::kRefuted : Outcome::kOpen;
   }
   // Hypotheses that are clearly worse were dropped above.
-  const bool clear = std::none_of(places_.begin() + 1, places_.end(), [](const Place& p) { return p.fits; });
+  const bool clear =
+      std::none_of(hypotheses_.begin() + 1, hypotheses_.end(), [](const Hypothesis& p) { return p.fits; });
   if (clear && !expected_ && is_open(leader.attempt)) return Outcome::kUndecided;
   const bool same =
-      !led || same_place(led_by, leader.map_from_predicted, excursion.state().pose, 1.0, 6.0 * kDegree);
+      !led || same_place(led_by, leader.map_from_predicted, lost_odometry.state().pose, 1.0, 6.0 * kDegree);
   wins_ = !clear ? 0 : same ? wins_ + 1 : 1;
   ++scans_;
   if (wins_ >= kWins) return Outcome::kWon;
   return is_spent() ? Outcome::kUndecided : Outcome::kOpen;
 }
 
-bool Contest::is_spent() const {
+bool HypothesisTest::is_spent() const {
   return scans_ >= kMostScans;
 }
 
-const char* Contest::why_undecided() const {
-  return places_.size() > 1 ? "the scans that followed fit several places alike"
-                            : "the scans that followed leave a motion open";
+const char* HypothesisTest::why_undecided() const {
+  return hypotheses_.size() > 1 ? "the scans that followed fit several places alike"
+                                : "the scans that followed leave a motion open";
 }
 
-std::vector<Pose> Contest::places() const {
+std::vector<Pose> HypothesisTest::hypotheses() const {
   std::vector<Pose> result;
-  for (const Place& place : places_) result.push_back(place.map_from_predicted);
+  for (const Hypothesis& hypothesis : hypotheses_) result.push_back(hypothesis.map_from_predicted);
   return result;
 }
 
 /// Drops hypotheses that more than kMissesAllowed scans did not fit (unless they are the best), that are
 /// clearly worse than one that fits, or that have moved to the pose of a better one.
-void Contest::drop_losers(const Pose& predicted) {
-  std::vector<Place> left;
-  const auto beats = [&](const Place& winner, const Place& loser) {
+void HypothesisTest::drop_losers(const Pose& predicted) {
+  std::vector<Hypothesis> left;
+  const auto beats = [&](const Hypothesis& winner, const Hypothesis& loser) {
     return winner.fits && !loser.is_due() && is_worse(loser, winner);
   };
-  for (Place& place : places_) {
-    const bool missing = !left.empty() && !place.is_due() && place.missed > kMissesAllowed;
-    const bool out =
-        missing || std::any_of(left.begin(), left.end(), [&](const Place& other) {
-          return beats(other, place) || same_place(other.map_from_predicted, place.map_from_predicted,
-                                                   predicted, 0.3, 3.0 * kDegree);
-        });
+  for (Hypothesis& hypothesis : hypotheses_) {
+    const bool missing = !left.empty() && !hypothesis.is_due() && hypothesis.missed > kMissesAllowed;
+    const bool out = missing || std::any_of(left.begin(), left.end(), [&](const Hypothesis& other) {
+                       return beats(other, hypothesis) ||
+                              same_place(other.map_from_predicted, hypothesis.map_from_predicted, predicted,
+                                         0.3, 3.0 * kDegree);
+                     });
     if (out) continue;
-    left.erase(
-        std::remove_if(left.begin(), left.end(), [&](const Place& other) { return beats(place, other); }),
-        left.end());
-    left.push_back(std::move(place));
+    left.erase(std::remove_if(left.begin(), left.end(),
+                              [&](const Hypothesis& other) { return beats(hypothesis, other); }),
+               left.end());
+    left.push_back(std::move(hypothesis));
   }
-  places_ = std::move(left);
+  hypotheses_ = std::move(left);
 }
 
 }  // namespace scanlock

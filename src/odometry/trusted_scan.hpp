@@ -11,7 +11,7 @@
 namespace scanlock {
 
 /// A trusted pose of the body, its time, and the scan taken there.
-struct Sighting {
+struct TrustedScan {
   Pose map_from_body = Pose::Identity();
   std::int64_t utime = 0;           ///< microseconds
   Vector6 twist = Vector6::Zero();  ///< velocity, which distorts the points below
@@ -19,14 +19,14 @@ struct Sighting {
       rays;  ///< of the scan, not deskewed; without rays no later scan is compared with this one
 };
 
-Sighting sighting(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving);
+TrustedScan trusted_scan(std::int64_t utime, const PreparedScan& scan, const MovingPose& moving);
 
 /// Contradiction of two scans in a row at their poses, without a map: the larger of the two shares of points
 /// of one scan that the range image of the other contradicts (0 to 1). A few hundredths in streets with
 /// traffic, through doors and in shakes, more while a lorry passes close by, and 0.15 and more at another
 /// place that looks the same. 0 after more than four seconds, in which too much may have changed, and for
 /// planar sensors, which have too few points.
-double contradiction(const Sighting& before, std::int64_t utime, const PreparedScan& scan,
+double contradiction(const TrustedScan& before, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& now);
 /// Largest contradiction of two scans at right poses, unless something large moves.
 inline constexpr double kMostContradiction = 0.1;
