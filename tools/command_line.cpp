@@ -97,6 +97,11 @@ int machine_threads() {
   return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
+bool has_extension(const std::string& path, std::initializer_list<const char*> extensions) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+}
+
 void check_picture_path(const std::string& path) {
   const std::filesystem::path name(path);
   std::string extension = name.extension().string();

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -39,6 +40,9 @@ double peak_rss_mb();
 
 /// The number of threads that the machine can run at once, at least 1.
 int machine_threads();
+
+/// Whether the extension of the path is one of these, each with its dot.
+bool has_extension(const std::string& path, std::initializer_list<const char*> extensions);
 
 /// Throws for the name of a picture that has the extension of another format than SVG. An empty name means no
 /// picture.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "command_line.hpp"
+#include "daemon/lcm_self_test.hpp"
 #include "daemon/lcm_url.hpp"
 #include "geometry/angles.hpp"
 #include "geometry/rigid.hpp"
@@ -123,7 +124,8 @@ int run(const Options& options) {
   if (is_log_url(url)) throw std::runtime_error(url + ": a log takes no commands");
   check_url(url);
   lcm::LCM lcm(url);
-  if (!lcm.good()) throw std::runtime_error(url + ": cannot be opened; see scanlockd --check");
+  if (!lcm.good() || !passes_self_test(lcm, url))
+    throw std::runtime_error(url + ": nothing can be received; see scanlockd --check");
   StatusListener listener(lcm, options.status_channel);
   const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                         std::chrono::duration<double>(options.timeout_s));

@@ -20,11 +20,6 @@ namespace {
 
 using namespace scanlock;
 
-bool has_extension(const std::string& path, std::initializer_list<const char*> extensions) {
-  const std::string extension = std::filesystem::path(path).extension().string();
-  return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
-}
-
 void check_usage(const ConvertOptions& options) {
   if (!Eigen::Vector3d(options.offset.data()).allFinite()) throw UsageError("--offset must be finite");
   if (options.info && !options.output.empty()) throw UsageError("--info takes no OUT");

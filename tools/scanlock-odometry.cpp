@@ -19,6 +19,7 @@
 #include "evaluation/map_picture.hpp"
 #include "io/cloud_file.hpp"
 #include "io/file_bytes.hpp"
+#include "io/map_file.hpp"
 #include "io/output_files.hpp"
 #include "io/progress_bar.hpp"
 #include "io/trajectory.hpp"
@@ -215,7 +216,8 @@ int run(const Options& options) {
        {options.tum_path, options.kitti_path, options.output_path, options.map_path, options.picture_path},
        ""},
       options.force);
-  if (!options.map_path.empty()) check_cloud_path(options.map_path);
+  if (!options.map_path.empty() && !has_extension(options.map_path, {".map"}))
+    check_cloud_path(options.map_path);
   check_picture_path(options.picture_path);
   if (!options.start_map_path.empty() && !std::filesystem::exists(options.start_map_path))
     throw std::runtime_error(options.start_map_path + ": no such file or directory");
@@ -238,7 +240,10 @@ int run(const Options& options) {
   sink->close();
   const std::string why = replay.why_no_scan(), damage = replay.damage();
   if (!why.empty()) throw std::runtime_error(why + (damage.empty() ? "" : " (" + damage + ")"));
-  if (!options.map_path.empty()) write_cloud(options.map_path, pipeline.map());
+  if (has_extension(options.map_path, {".map"}))
+    write_map(options.map_path, pipeline.saved_map());
+  else if (!options.map_path.empty())
+    write_cloud(options.map_path, pipeline.map());
   result.settle(pipeline);
   if (!options.tum_path.empty()) write_tum(options.tum_path, result.trajectory);
   if (!options.kitti_path.empty()) write_kitti(options.kitti_path, result.trajectory);
@@ -279,7 +284,9 @@ void declare(CommandLine line, Options& options) {
       "--start-map", options.start_map_path,
       "map to find the place in (.map, .ply, .pcd), as scanlockd --map; it is not written. Until it is "
       "found, if ever, poses are in a frame of the log's own (JSON: found_after_s, or null)");
-  line.option("--map", options.map_path, "write the map at the end (.ply)");
+  line.option("--map", options.map_path,
+              "write the map at the end: a map file (.map), or the surroundings of the robot as a cloud "
+              "(.ply, .pcd)");
   line.option(
       "--picture", options.picture_path,
       "draw the map from above, the way in it, and where it was found, when, and by what evidence (.svg)");

@@ -15,6 +15,7 @@
 #include <stdexcept>
 
 #include "daemon/host_network.hpp"
+#include "daemon/lcm_self_test.hpp"
 #include "daemon/lcm_url.hpp"
 #include "daemon/stop_signal.hpp"
 #include "io/lcm_log.hpp"
@@ -270,6 +271,14 @@ DoctorReport examine(const DaemonConfig& config) {
   lcm::LCM lcm(report.url);
   if (!lcm.good()) {
     add(report, Grade::kFault, "lcm", "LCM refused the URL " + report.url);
+    return report;
+  }
+  if (!passes_self_test(lcm, report.url)) {
+    if (is_multicast_url(report.url))
+      add(report, Grade::kFault, "self_test", self_test_fault(multicast_endpoint(report.url)),
+          "nft list ruleset");
+    else
+      add(report, Grade::kFault, "self_test", "LCM cannot receive from " + report.url);
     return report;
   }
   lcm.subscribe(".*", &Listener::on_message, &listener)->setQueueCapacity(8);

@@ -36,6 +36,12 @@ std::string with_receive_buffer(const std::string& url, int bytes) {
   return url + (url.find('?') == std::string::npos ? "?" : "&") + "recv_buf_size=" + std::to_string(bytes);
 }
 
+/// ADDRESS:PORT of udpm://ADDRESS:PORT?OPTIONS.
+std::string multicast_network(const std::string& url) {
+  const std::string rest = url.substr(std::strlen("udpm://"));
+  return rest.substr(0, rest.find('?'));
+}
+
 /// LCM only warns of an unknown option of a log, so that a misspelt `speed` would play the log in real time.
 void check_log_options(const std::string& url) {
   static const std::vector<std::string> kKnown = {"speed", "start_timestamp", "mode"};
@@ -80,6 +86,11 @@ void check_url(const std::string& url) {
   if (is_log_url(url) && log_url_path(url).empty()) throw ConfigError(url + ": names no file");
   if (is_log_url(url)) check_log_options(url);
   if (!is_multicast_url(url)) return;
+  const std::string network = multicast_network(url);
+  // LCM takes both defaults for an empty network, and none for a part of it.
+  if (!network.empty() && (network.front() == ':' || network.find(':') == network.npos))
+    throw ConfigError(url + ": names no " + (network.front() == ':' ? "address" : "port") +
+                      "; udpm://ADDRESS:PORT or udpm:// does");
   const MulticastEndpoint endpoint = multicast_endpoint(url);
   in_addr address{};
   if (inet_pton(AF_INET, endpoint.address.c_str(), &address) != 1)
@@ -103,9 +114,7 @@ std::optional<std::string> url_option(const std::string& url, const std::string&
 
 MulticastEndpoint multicast_endpoint(const std::string& url) {
   MulticastEndpoint endpoint;
-  const std::size_t begin = std::strlen("udpm://");
-  const std::string network =
-      url.substr(begin, url.find('?') == std::string::npos ? url.npos : url.find('?') - begin);
+  const std::string network = multicast_network(url);
   const std::size_t colon = network.find(':');
   if (!network.substr(0, colon).empty()) endpoint.address = network.substr(0, colon);
   if (colon != std::string::npos) {

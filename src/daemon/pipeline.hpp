@@ -48,6 +48,8 @@ class Pipeline {
 
   /// The map around the robot, in the frame of the published poses.
   PointCloud map() const { return moved(mapper_.map(), body_from_sensor_); }
+  /// The map for a map file.
+  SavedMap saved_map() const { return mapper_.save(); }
 
   enum class Part : std::int8_t {
     kAll,    ///< the active submap and all earlier ones

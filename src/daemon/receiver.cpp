@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "daemon/host_network.hpp"
+#include "daemon/lcm_self_test.hpp"
 #include "daemon/lcm_url.hpp"
 
 namespace scanlock {
@@ -55,7 +56,7 @@ std::unique_ptr<lcm::LCM> Receiver::connect() {
     }
     if (!is_multicast_url(url_)) throw std::runtime_error(url_ + ": LCM refuses this URL; check it");
     std::string why = multicast_fault(multicast_endpoint(url_));
-    if (why.empty()) why = "LCM refused the URL; check it";
+    if (why.empty()) why = self_test_fault(multicast_endpoint(url_));
     if (why != reported) {
       statistics_.complain("cannot receive from " + url_ + ": " + why + " (trying again until it works)");
       reported = why;
@@ -72,10 +73,9 @@ std::unique_ptr<lcm::LCM> Receiver::try_connect() {
   const int port = is_multicast_url(url_) ? multicast_endpoint(url_).port : 0;
   const std::set<int> before = udp_sockets_on(port);
   auto lcm = std::make_unique<lcm::LCM>(url_);
-  if (!lcm->good()) return nullptr;
+  if (!lcm->good() || !passes_self_test(*lcm, url_)) return nullptr;
   subscribe(*lcm);
   if (!is_multicast_url(url_)) return lcm;
-  if (lcm->getFileno() < 0) return nullptr;
   settle_receive_buffer(before, port);
   return lcm;
 }

@@ -51,7 +51,8 @@ std::string SilenceWatch::reason(const Counters& counters) const {
     return "the kernel dropped " + std::to_string(drops) +
            " datagrams; scanlockd --check names the command that mends it";
   }
-  return "nothing came on " + channels_ +
+  const bool pattern = channels_.find_first_of("*[(\\") != std::string::npos;
+  return "nothing came on " + channels_ + (pattern ? " (names of channels are literal, not patterns)" : "") +
          "; is a driver publishing there, on this URL? scanlockd --check listens for you";
 }
 

@@ -161,7 +161,8 @@ bool check_sizes(PackedCloud& cloud, const DecodeLimits& limits, ByteReader& rea
 bool check_fields(const PackedCloud& cloud, ByteReader& reader) {
   const auto coordinate = [&](const std::optional<PackedField>& field, const char* name) {
     if (!field) {
-      reader.fail(DecodeFault::kBadField, std::string("there is no field `") + name + "`");
+      reader.fail(DecodeFault::kBadField, std::string("there is no field `") + name + "` among " +
+                                              (cloud.names.empty() ? "none" : cloud.names));
     } else if (field->datatype != kFloat32Datatype && field->datatype != kFloat64Datatype) {
       reader.fail(DecodeFault::kBadField, std::string("field `") + name + "` has datatype " +
                                               std::to_string(field->datatype) +
@@ -179,7 +180,8 @@ bool check_fields(const PackedCloud& cloud, ByteReader& reader) {
 }
 
 std::string unpack_times(const PackedCloud& cloud, bool swap, const Offsets& offsets, Scan& scan) {
-  if (!cloud.time) return "no time field";
+  if (!cloud.time)
+    return "no time field (as `time`, float32 in s, or `t`, uint32 in ns) among " + cloud.names;
   TimeKind kind = TimeKind::kInteger;
   if (cloud.time->datatype == kFloat32Datatype) kind = TimeKind::kFloat32;
   if (cloud.time->datatype == kFloat64Datatype) kind = TimeKind::kFloat64;
@@ -206,6 +208,9 @@ std::size_t datatype_size(int datatype) {
 }
 
 void PackedCloud::consider_field(std::string_view name, std::int64_t offset, int datatype) {
+  constexpr std::size_t kEnoughNames = 100;  // characters
+  if (names.size() < kEnoughNames)
+    names.append(names.empty() ? "`" : ", `").append(name.substr(0, 32)) += '`';
   const auto take = [&](std::optional<PackedField>& field, int rank) {
     if (!field || rank < field->rank) field = PackedField{std::string(name), offset, datatype, rank};
   };

@@ -33,6 +33,7 @@ struct PackedCloud {
   bool big_endian = false;
   ByteView data;
   std::optional<PackedField> x, y, z, intensity, time;
+  std::string names;  ///< of the fields, for error messages; the first ones where there are many
 
   /// Stores the field if it can serve as one of x, y, z, intensity and time. Of several candidates, the one
   /// with the best rank is kept; of equal ranks, the first.

@@ -10,6 +10,8 @@
 namespace scanlock {
 namespace {
 
+constexpr std::int64_t kYear2096 = 4'000'000'000'000'000;  // microseconds
+
 ScanVerdict rejection(ScanClock::Verdict verdict) {
   if (verdict == ScanClock::Verdict::kDuplicate) return ScanVerdict::kDuplicateTime;
   if (verdict == ScanClock::Verdict::kBackward) return ScanVerdict::kBackwardTime;
@@ -23,7 +25,8 @@ bool Timeline::take(const Scan& scan, TrackedScan* tracked) {
   if (!clock_.accepts(reading.verdict)) {
     tracked->verdict = rejection(reading.verdict);
     tracked->why = std::string(to_string(tracked->verdict)) + ", the scan before it has " +
-                   std::to_string(reading.last_utime) + (scan.stamped_by_arrival ? "; it has no stamp" : "");
+                   std::to_string(reading.last_utime) + (scan.stamped_by_arrival ? "; it has no stamp" : "") +
+                   (scan.utime > kYear2096 ? "; microseconds are expected: are these nanoseconds?" : "");
     tracked->interleaved = reading.interleaved;
     return false;
   }

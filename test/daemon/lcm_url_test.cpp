@@ -73,12 +73,13 @@ TEST_CASE("channel names are literal") {
 }
 
 TEST_CASE("a URL that can never work is told from one that waits for its network") {
-  for (const char* url : {"udpm://239.255.76.67:7667?ttl=0", "udpm://", "udpm://:7701", "tcpq://nobody:7700",
+  for (const char* url : {"udpm://239.255.76.67:7667?ttl=0", "udpm://", "udpm://?ttl=0", "tcpq://nobody:7700",
                           "file:///tmp/a.lcmlog?speed=0"})
     CHECK_NOTHROW(check_url(url));
-  for (const char* url : {"", "LIDAR", "udp://239.255.76.67:7667", "udpm://239.255.76.67:99999",
-                          "udpm://192.168.1.4:7667", "udpm://robot:7667", "file://", "file://?speed=0",
-                          "file:///tmp/a.lcmlog?sped=0", "file:///tmp/a.lcmlog?mode=w&fast"}) {
+  for (const char* url :
+       {"", "LIDAR", "udp://239.255.76.67:7667", "udpm://239.255.76.67:99999", "udpm://192.168.1.4:7667",
+        "udpm://robot:7667", "udpm://239.255.76.67", "udpm://:7701", "file://", "file://?speed=0",
+        "file:///tmp/a.lcmlog?sped=0", "file:///tmp/a.lcmlog?mode=w&fast"}) {
     CAPTURE(url);
     CHECK_THROWS_AS(check_url(url), ConfigError);
   }

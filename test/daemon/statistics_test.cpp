@@ -101,6 +101,7 @@ TEST_CASE("silence is reported with its reason and at doubling intervals") {
   CHECK(contains(back->text, "scans are back after 41.0 s"));
   CHECK_FALSE(watch.look(counters, kStart + seconds(45)));
   CHECK(watch.look(counters, kStart + seconds(46)));
+  CHECK(contains(SilenceWatch("LIDAR.*", 5, kStart).look({}, kStart + seconds(5))->text, "not patterns"));
 }
 
 TEST_CASE("a throttle lets one through each period and counts the rest") {

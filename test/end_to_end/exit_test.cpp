@@ -163,6 +163,37 @@ TEST_CASE("without a multicast route the daemon waits, says what to do, and work
   CHECK(daemon.wait(seconds(2)) == 0);
 }
 
+TEST_CASE("where a firewall drops multicast the programs report it, and the daemon works once it does not") {
+  const TemporaryFolder folder;
+  const Network network;
+  const std::string port = network.url().substr(network.url().rfind(':') + 1, 5);
+  const auto firewall = [&](const char* action) {
+    return run(folder, {"iptables", "-w", action, "INPUT", "-p", "udp", "--dport", port, "-j", "DROP"}).code;
+  };
+  if (!network.is_private() || firewall("-A") != 0) {
+    MESSAGE("skipped: no network namespace with iptables");
+    return;
+  }
+  Process daemon(folder, {"scanlockd", "-l", network.url()});
+  Process check(folder, {"scanlockd", "--check", "-l", network.url()});
+  Process command(folder, {"scanlock-command", "-l", network.url(), "reset"});
+  CHECK(check.wait(seconds(30)) == 1);
+  CHECK(contains(check.output(), "a firewall may drop UDP port " + port));
+  CHECK(command.wait(seconds(30)) == 1);
+  CHECK(contains(command.errors(), "see scanlockd --check"));
+  const auto end = std::chrono::steady_clock::now() + seconds(30);
+  while (!contains(daemon.errors(), "a firewall may drop UDP port " + port)) {
+    REQUIRE(std::chrono::steady_clock::now() < end);
+    std::this_thread::sleep_for(milliseconds(50));
+  }
+  REQUIRE(firewall("-D") == 0);
+  Listener listener(network.url());
+  CHECK(listener.until([&] { return listener.statuses > 0 && listener.status.recv_buf_granted > 0; },
+                       seconds(30)));
+  daemon.send(SIGTERM);
+  CHECK(daemon.wait(seconds(15)) == 0);
+}
+
 TEST_CASE("a signal ends a daemon that still waits for its network") {
   Network network(false);
   if (!network.is_private()) {

@@ -71,6 +71,9 @@ TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in i
   REQUIRE(converted.code == 0);
   CHECK(read_cloud(cloud).size() > 10000);
   const std::string bytes = read_file(cloud), map_bytes = read_file(site);
+  const std::string same = folder / "same.map";
+  REQUIRE(run(folder, {"scanlock-odometry", log, "--map", same}).code == 0);
+  CHECK(read_file(same) == map_bytes);
 
   const Result there = run(
       folder, {"scanlock-odometry", other, "--start-map", cloud, "--poses", folder / "run.tum", "--json"});

@@ -164,7 +164,7 @@ TEST_CASE("scanlock-spy names all that it lacks at once, with the command that i
   CHECK(contains(result.errors, "scanlock-spy: missing: scanlock.jar (built where a JDK and lcm.jar are)"));
   CHECK(contains(result.errors, "sudo apt install default-jdk"));
   CHECK(contains(result.errors, "libjchart2d-java") == contains(result.errors, ", jchart2d.jar"));
-  CHECK(contains(result.errors, ", then run cmake and build again\n"));
+  CHECK(contains(result.errors, ", then run cmake and build scanlock (or its package) again\n"));
 }
 
 TEST_CASE("scripts tell their help and wrong usage without installing or building anything") {

@@ -181,7 +181,7 @@ TEST_CASE("each wrong member of a pointcloud2 is a fault that names it") {
       {"`x` lies outside", DecodeFault::kBadField, [](auto& m) { m.fields[0].offset = -1; }},
       {"`y` lies outside", DecodeFault::kBadField, [](auto& m) { m.fields[1].offset = 9; }},
       {"`z` lies outside", DecodeFault::kBadField, [](auto& m) { m.fields[2].offset = 0x7fffffff; }},
-      {"no field `x`", DecodeFault::kBadField, [](auto& m) { m.fields[0].name = "u"; }},
+      {"no field `x` among `u`, `y`, `z`", DecodeFault::kBadField, [](auto& m) { m.fields[0].name = "u"; }},
       {"`x` has datatype 5", DecodeFault::kBadField, [](auto& m) { m.fields[0].datatype = 5; }},
       {"`y` has datatype 99", DecodeFault::kBadField, [](auto& m) { m.fields[1].datatype = 99; }},
       {"`t` lies outside", DecodeFault::kBadField, [](auto& m) { add_field(m, "t", 12, 7); }},

@@ -71,6 +71,14 @@ TEST_CASE("a rejected stamp leaves the time, and the reason names the stamp befo
   }
 }
 
+TEST_CASE("stamps in nanoseconds are recognised") {
+  Timeline timeline;
+  CHECK(take(&timeline, 1000 * kFirstStamp).taken);
+  const Taken second = take(&timeline, 1000 * (kFirstStamp + kStampPeriod));
+  CHECK_FALSE(second.taken);
+  CHECK(contains(second.tracked.why, "are these nanoseconds?"));
+}
+
 TEST_CASE("a step of the clock, either way, advances the time by the longest gap that it may hide") {
   for (const std::int64_t by : {-86400 * kOneSecond, 86400 * kOneSecond}) {
     Timeline timeline = started(20);
