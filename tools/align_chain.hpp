@@ -38,7 +38,8 @@ inline std::optional<GlobalStart> global_link(const AlignOptions& options, Globa
   if (verdict.least > acceptance(options.accept)) {
     const std::string words = source_path + " to " + target_path + ": " + verdict.why;
     if (!options.json)
-      throw std::runtime_error(words + "; --json goes on, --method robust-icp-plane trusts small motions");
+      throw std::runtime_error(
+          words + "; --json continues with the next pair, --method robust-icp-plane assumes small motions");
     std::cerr << "scanlock-align: " << words << "\n";
   }
   return link;

@@ -45,16 +45,18 @@ inline bool wants_matches(int argc, char** argv) {
 inline void declare_align_matches(CommandLine line, AlignMatchesOptions& options) {
   line.explain("FILE: one match a line, px py pz qx qy qz, metres; # starts a comment.",
                {"scanlock-align --correspondences matches.txt --epsilon 0.1 --json"});
-  line.option("--correspondences", options.file, "the candidate matches").required();
+  line.option("--correspondences", options.file, "file of the candidate matches").required();
   line.option("--epsilon", options.registration.epsilon, "largest residual of an inlier, metres").required();
-  line.flag("--no-pruning", options.no_pruning, "search all matches");
+  line.flag("--no-pruning", options.no_pruning, "search without pruning the matches first");
   line.option("--budget", options.registration.budget_s,
-              "end after so many seconds, with the gap that remains (default: none)");
+              "stop after this many seconds, with the remaining gap between consensus and upper bound "
+              "(default: no limit)");
   line.option("--up", options.up, "the axis of rotation X,Y,Z (default: 0,0,1)").comma_separated(3);
   line.option("--tilt", options.tilt_degrees,
-              "gravity is known to so many degrees in either cloud (default: 0)");
+              "largest error of the vertical in either cloud, degrees, 0 to 20 (default: 0)");
   line.flag("--ransac", options.ransac, "for comparison: RANSAC with samples of two matches; no proof");
-  line.option("--threads", options.threads, "taken for uniformity; the search runs in one thread")
+  line.option("--threads", options.threads,
+              "accepted as by the other methods; this search runs in one thread")
       .within(1, 256);
   add_accept_option(line, options.accept,
                     "any: exit 0 also where the answer is not certified (default: certain)");
@@ -72,7 +74,7 @@ inline void settle_align_matches(AlignMatchesOptions& options) {
   if (!options.registration.up.allFinite() || !(options.registration.up.norm() > 0))
     throw UsageError("--up: must be a vector other than 0,0,0");
   if (options.ransac && (options.tilt_degrees != 0 || options.registration.up != Eigen::Vector3d::UnitZ()))
-    throw UsageError("--ransac: takes no --tilt and no --up");
+    throw UsageError("--ransac: cannot be used with --tilt or --up");
   if (!(options.tilt_degrees >= 0 && options.tilt_degrees <= 20))
     throw UsageError("--tilt: must be 0 to 20 degrees");
 }
@@ -130,7 +132,7 @@ inline MatchRegistration ransac_baseline(const Matches& matches, double epsilon)
 inline AlignVerdict verdict_of(const MatchRegistration& found) {
   if (found.certified) return {};
   return {Acceptance::kAny, "not certified: the consensus is " + std::to_string(found.consensus) +
-                                ", and its upper bound " + std::to_string(found.upper_bound)};
+                                ", its upper bound " + std::to_string(found.upper_bound)};
 }
 
 inline int solve_matches(AlignMatchesOptions& options) {
@@ -142,7 +144,7 @@ inline int solve_matches(AlignMatchesOptions& options) {
   const Clock::time_point start = Clock::now();
   const Matches matches = read_matches(options.file);
   const double read_ms = since(start);
-  ProgressBar bar("scanlock-align: consensus found, of what may be");
+  ProgressBar bar("scanlock-align: consensus, of its upper bound");
   options.registration.progress = [&](int consensus, int upper_bound) {
     bar.update(static_cast<std::uint64_t>(consensus), static_cast<std::uint64_t>(upper_bound));
   };
@@ -162,7 +164,8 @@ inline int solve_matches(AlignMatchesOptions& options) {
 /// The whole program; returns its exit code.
 inline int align_matches(int argc, char** argv) {
   return run_program<AlignMatchesOptions>("scanlock-align",
-                                          "Finds the levelled motion that holds most matches, with proof.",
+                                          "Finds the rotation about the vertical and the translation with "
+                                          "the most inlier matches, with a certificate.",
                                           argc, argv, declare_align_matches, solve_matches);
 }
 

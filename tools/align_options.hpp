@@ -33,12 +33,13 @@ inline constexpr const char* kAlignFooter =
 Normals of .ply and .pcd files are used; where they are missing they are estimated.
 
 icp, aa-icp, fast-icp                      squared distances; plain, accelerated by Euler angles, accelerated in se(3)
-4dof                                       no start needed, clouds levelled: the rotation about --up and the translation
-                                           that most matches of features agree on, with its proof, checked with the clouds
-4dof+robust-icp, 4dof+robust-icp-plane     the same, refined; the former is the default without --init, and keeps
-                                           the start where that lies closer on the target's planes; either way it
-                                           comes to rest on these
-robust-icp                                 Welsch's function, nu falling from 3 medians to the sampling of the target
+4dof                                       for levelled clouds, without an initial guess: the rotation about --up and the
+                                           translation with the largest consensus of feature matches, with its
+                                           certificate, checked against the clouds
+4dof+robust-icp, 4dof+robust-icp-plane     the same, then refined. 4dof+robust-icp, the default without --init, keeps
+                                           the 4dof pose if its point-to-plane energy is lower, and refines the kept
+                                           pose by distances to tangent planes
+robust-icp                                 Welsch's function; nu falls from 3 median residuals to the point spacing of the target
 icp-plane, fast-icp-plane, robust-icp-plane   the same with distances to tangent planes
 symmetric-icp, robust-symmetric-icp        the same with the normals of both clouds
 
@@ -54,9 +55,9 @@ inline void declare_align_options(CommandLine line, AlignOptions& options) {
   line.option("MORE", options.more, "with --chain: further clouds");
   line.flag(
       "--chain", options.chain,
-      "register each cloud to the one before it; --output is the map, thinned like the clouds. With 4dof "
-      "a pair whose verdict --accept does not take ends it (exit 1); with --json it goes on, and the "
-      "verdict is in the pair's link");
+      "register each cloud to the one before it; --output is the map, thinned like the clouds. With 4dof, "
+      "a pair whose verdict --accept does not allow ends the program (exit 1); with --json it continues, and "
+      "the verdict is in the pair's link");
   line.option("--poses", options.poses,
               "with --chain: write the poses here, TUM, stamped 0, 1, 2, ..., in the frame of the first");
   line.option("--method", options.method,
@@ -64,7 +65,8 @@ inline void declare_align_options(CommandLine line, AlignOptions& options) {
   line.option("--init", options.init, "start from this transform (default: identity)");
   line.option("--truth", options.truth, "compare the result with this transform");
   line.option("--voxel", options.voxel,
-              "thin both clouds to a point a voxel of so many metres; 0: all points (default: by itself)")
+              "thin both clouds to one point per voxel of this size, metres; 0: all points (default: from "
+              "the size of the scene)")
       .from_zero();
   line.option("--up", options.up, "4dof: the vertical of both clouds (default: 0,0,1)").comma_separated(3);
   line.option("--epsilon", options.epsilon, "4dof: inlier threshold, metres (default: from the voxel)")
@@ -79,9 +81,10 @@ inline void declare_align_options(CommandLine line, AlignOptions& options) {
       .within(1, 256);
   line.option("--output", options.output, "write the aligned source here");
   line.option("--picture", options.picture, "write an SVG picture here");
-  add_accept_option(line, options.accept,
-                    "which verdicts are exit 0: certain (the default; without 4dof: converged and not "
-                    "degenerate), ambiguous (or degenerate), too, or any");
+  add_accept_option(
+      line, options.accept,
+      "verdicts with exit code 0: certain (default; without 4dof: converged and not degenerate), "
+      "ambiguous (accepts ambiguous or degenerate ones, too), or any");
   line.flag("--force", options.force, "overwrite outputs that are there already");
   line.flag("--json", options.json, "print one JSON object");
 }
@@ -91,19 +94,20 @@ inline void settle_align_options(AlignOptions& options) {
   if (options.method.empty()) options.method = options.init.empty() ? "4dof+robust-icp" : "robust-icp-plane";
   const Eigen::Vector3d up(options.up.data());
   for (const auto& [wrong, words] :
-       {std::pair{is_global(options.method) && !options.init.empty(), "the methods of 4dof take no --init"},
+       {std::pair{is_global(options.method) && !options.init.empty(),
+                  "--init cannot be used with the 4dof methods"},
         std::pair{!up.allFinite() || !(up.norm() > 1e-9), "--up must be finite, and not 0,0,0"},
-        std::pair{!options.chain && !options.more.empty(), "more than two clouds go with --chain"},
-        std::pair{!options.chain && !options.poses.empty(), "--poses goes with --chain"},
+        std::pair{!options.chain && !options.more.empty(), "more than two clouds need --chain"},
+        std::pair{!options.chain && !options.poses.empty(), "--poses needs --chain"},
         std::pair{options.chain && !(options.init + options.truth + options.picture).empty(),
-                  "--init, --truth and --picture do not go with --chain"}}) {
+                  "--init, --truth and --picture cannot be used with --chain"}}) {
     if (wrong) throw UsageError(words);
   }
   const std::string refining = refining_method(options.method);
   if (refining.empty() || find_cloud_method(refining)) return;
   std::string names = " 4dof 4dof+robust-icp 4dof+robust-icp-plane";
   for (const std::string& name : cloud_method_names()) names += " " + name;
-  throw UsageError("--method " + options.method + " is not known here; known are" + names);
+  throw UsageError("--method " + options.method + " is unknown; known are" + names);
 }
 
 inline CloudAlignmentOptions alignment_options(const AlignOptions& options) {

@@ -41,7 +41,7 @@ inline AlignVerdict verdict_of(const CloudAlignment& found) {
   for (const Json& name : axis_names(found.degenerate_axes))
     axes += (axes.empty() ? "" : ", ") + name.get<std::string>();
   if (!axes.empty())
-    return {Acceptance::kAmbiguous, "the alignment is degenerate: the clouds leave " + axes + " open"};
+    return {Acceptance::kAmbiguous, "the alignment is degenerate: the clouds do not constrain " + axes};
   if (found.stop_reason == "degenerate")
     return {Acceptance::kAmbiguous,
             "the alignment is degenerate: the inlier ratio is " + std::to_string(found.inlier_ratio)};
@@ -55,7 +55,7 @@ inline AlignVerdict verdict_of(const CloudAlignment& found) {
 inline int judge(const AlignVerdict& verdict, const std::string& accept) {
   if (verdict.least <= acceptance(accept)) return 0;
   std::cerr << "scanlock-align: " << verdict.why << "; --accept "
-            << (verdict.least == Acceptance::kAny ? "any" : "ambiguous") << " takes it\n";
+            << (verdict.least == Acceptance::kAny ? "any" : "ambiguous") << " accepts it\n";
   return 1;
 }
 

@@ -61,7 +61,7 @@ CLI::Validator number_from_zero(bool zero_too) {
   const auto check = [zero_too](const std::string& text) {
     const std::optional<double> value = finite_number(text);
     if (value && (zero_too ? *value >= 0 : *value > 0)) return std::string();
-    return text + (zero_too ? " is no number of 0 or more" : " is no number above 0");
+    return text + (zero_too ? " is not a number of 0 or more" : " is not a number above 0");
   };
   return CLI::Validator(check, "");
 }
@@ -70,7 +70,7 @@ CLI::Validator channel_name() {
   constexpr std::size_t kLongest = 63;  // the limit of LCM
   const auto check = [](const std::string& text) {
     if (!text.empty() && text.size() <= kLongest) return std::string();
-    return "'" + text + "' is no channel: 1 to 63 characters";
+    return "'" + text + "' is not a channel name: it needs 1 to 63 characters";
   };
   return CLI::Validator(check, "");
 }

@@ -56,7 +56,7 @@ inline void show_info(const ConvertOptions& options) {
     std::printf("%-28s %8zu %10.3f %9.2f %6zu %9.3f  %s\n", c.name.c_str(), c.events,
                 static_cast<double>(c.bytes) * 1e-6, c.rate_hz, c.gaps, c.largest_gap_s, c.type.c_str());
     if (c.backward_steps > 0)
-      std::printf("%-28s %zu events are stamped before the one in front\n", "", c.backward_steps);
+      std::printf("%-28s %zu events are stamped before the preceding event\n", "", c.backward_steps);
   }
 }
 

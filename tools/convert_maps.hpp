@@ -53,7 +53,7 @@ inline void map_to_cloud(const ConvertOptions& options) {
   const SavedMap all = read_map(options.input), map = first_submap(all);
   if (const std::size_t others = all.keyframes.size() - map.keyframes.size(); others > 0)
     std::cerr << options.input << ": " << others
-              << " keyframes of submaps that nothing ties to the first one are left out\n";
+              << " keyframes are left out: their submaps are not joined to the first one\n";
   const PointCloud cloud = cloud_of_map(map, kVoxel);
   write_cloud(options.output, cloud);
   report_map(options, map, cloud.size());
@@ -68,11 +68,12 @@ inline void merge_map_files(const ConvertOptions& options) {
   }
   if (!merged.joined) {
     const std::string others =
-        merged.otherwise > 1 ? ", and " + std::to_string(merged.otherwise) + " on another one" : "";
-    throw std::runtime_error(
-        options.output + ": no overlap with " + options.input + " is believed, and no map is written: of " +
-        std::to_string(merged.searches) + " keyframes that were looked for " + std::to_string(merged.found) +
-        " were found, and " + std::to_string(merged.agreeing) + " of them agree on an overlap" + others);
+        merged.otherwise > 1 ? ", and " + std::to_string(merged.otherwise) + " on another" : "";
+    throw std::runtime_error(options.output + ": no overlap with " + options.input +
+                             " is accepted, and no map is written: of " + std::to_string(merged.searches) +
+                             " keyframes searched for, " + std::to_string(merged.found) +
+                             " were found in the other map, and " + std::to_string(merged.agreeing) +
+                             " of them agree on one pose of it" + others);
   }
   write_map(options.merged, merged.map);
   report(options,

@@ -30,32 +30,33 @@ struct ConvertOptions {
   bool info = false, json = false, force = false;
 };
 
-constexpr const char* kFooter = R"(What is done depends on IN and OUT:
+constexpr const char* kFooter = R"(IN and OUT select the conversion:
   DIR LOG                   numbered .bin, .pcd or .ply scans into an LCM log (channel LIDAR), in the order of their
-                            numbers. DIR/times.txt, if there: a line for each scan, the seconds it is stamped with.
-                            DIR/ptime/NAME.f32, if there: float32 seconds of each point relative to that stamp.
-  LOG DIR                   the other way, into a new directory: .bin, times.txt, ptime/; with --format pcd or ply, NNNNNN.pcd or
+                            numbers. DIR/times.txt (optional): a line for each scan with its stamp in seconds.
+                            DIR/ptime/NAME.f32 (optional): float32 seconds of each point relative to that stamp.
+  LOG DIR                   the reverse, into a new directory: .bin, times.txt, ptime/; with --format pcd or ply, NNNNNN.pcd or
                             .ply with a column `time`, and times.txt
   LOG OUT.pcd|OUT.ply|OUT.bin
-                            one scan, which --scan names where the log has several; in the sensor's frame, not deskewed
-  LOG --info                channels, types, counts, rates, gaps; damage is passed over, counted and reported
+                            one scan, selected by --scan if the log has several; in the sensor's frame, not deskewed
+  LOG --info                channels, types, counts, rates, gaps; damaged parts are skipped, counted and reported
   SITE.ply|SITE.pcd SITE.map
-                            a cloud of any program into a map for scanlockd --map, for a sensor at the body's origin, in
-                            the cloud's frame; moved with --offset, and then turned with --up so that z is up. (--map takes
-                            the cloud, too; the .map loads faster.)
+                            a cloud from any program into a map for scanlockd --map, for a sensor at the body's origin, in
+                            the cloud's frame, shifted by --offset and then rotated so that the axis --up becomes z. (--map
+                            also takes the cloud itself; the .map loads faster.)
   SITE.map SITE.ply|SITE.pcd
-                            what the keyframes of a map have seen, as one cloud in its frame, thinned to 5 cm; submaps that
-                            nothing ties to its frame are left out
-  A.map B.map SITE.map      two maps with an overlap, of any two starts and days, as one in the frame of the first; exit 1 where
-                            no overlap is believed. Submaps that nothing ties to the frame of their file are left out.
+                            the points of a map's keyframes as one cloud in the map frame, thinned to 5 cm; submaps that
+                            are not joined to the first one are left out
+  A.map B.map SITE.map      two overlapping maps, of drives with different starts and on different days, as one in the frame
+                            of the first; exit 1 if no overlap is accepted. Submaps that are not joined to the first one of
+                            their file are left out.
   LOG OUT.tum|OUT.kitti     a pose channel (POSE_BODY_CORRECTED) as a trajectory
   IN.tum OUT.kitti, IN.kitti OUT.tum
-                            a trajectory in the other format; IN is told by its content, OUT by its name
+                            a trajectory in the other format: that of IN follows from its content, that of OUT from its name
                             (.tum: TUM; .kitti or .txt: KITTI)
 
 Stamps: with times.txt, utime is that time in microseconds; without it (and for the poses of a KITTI file, which
-has no times) scan n is stamped n periods after zero. --utime moves zero to US; by default zero is utime 1000000,
-and 0 when times.txt begins later than zero. The log's events carry the scans' own utime.)";
+has no times) scan n is stamped n periods after time zero. --utime sets the utime of time zero; the default is
+1000000, or 0 if times.txt begins later than zero. The log's events carry the scans' own utime.)";
 
 inline void declare_convert_options(CommandLine line, ConvertOptions& options) {
   line.explain(
@@ -66,27 +67,30 @@ inline void declare_convert_options(CommandLine line, ConvertOptions& options) {
        "scanlock-convert poses.lcmlog poses.tum --channel POSE_BODY_CORRECTED"});
   line.option("IN", options.input, "a directory of scans, an LCM log or a trajectory").required();
   line.option("OUT", options.output, "an LCM log, a new directory, a cloud or a trajectory");
-  line.option("SITE", options.merged, "the map that the maps IN and OUT become");
-  line.option("--channel", options.channel, "of the scans (default: LIDAR) or poses (POSE_BODY_CORRECTED)")
+  line.option("SITE", options.merged, "the merged map, if IN and OUT are maps");
+  line.option("--channel", options.channel,
+              "channel of the scans (default: LIDAR) or poses (default: POSE_BODY_CORRECTED)")
       .channel();
   line.option("--type", options.type, "message type of the scans in a new log (default: pointcloud2)")
       .one_of({kScanMessages.begin(), kScanMessages.end()});
-  line.option("--format", options.format, "of the scans in a new directory: bin, pcd or ply (default: bin)")
+  line.option("--format", options.format,
+              "file format of the scans in a new directory: bin, pcd or ply (default: bin)")
       .one_of({"bin", "pcd", "ply"});
-  line.option("--scan", options.scan, "the number of the scan for a cloud OUT, from 0 on").from_zero();
+  line.option("--scan", options.scan, "number of the scan that becomes the cloud OUT; the first is 0")
+      .from_zero();
   line.option("--up", options.up, "the axis of a cloud SITE.ply or SITE.pcd that points upwards (default: z)")
       .one_of({kAxes.begin(), kAxes.end()});
-  line.option(
-          "--offset", options.offset,
-          "metres, X,Y,Z: subtracted from the coordinates of a cloud SITE.ply or SITE.pcd, as of one in UTM; "
-          "poses are relative to it (default: 0,0,0)")
+  line.option("--offset", options.offset,
+              "X,Y,Z in metres, subtracted from the coordinates of a cloud SITE.ply or SITE.pcd, for example "
+              "in UTM; "
+              "poses in the map are relative to it (default: 0,0,0)")
       .comma_separated(3);
   line.option("--period", options.clock.period_s,
               "seconds from scan to scan without times.txt (default: 0.1)")
       .above_zero();
-  line.option("--utime", options.clock.zero_utime, "microseconds: the utime of time zero").from_zero();
-  line.flag("--info", options.info, "tell what is in the log IN");
-  line.flag("--force", options.force, "overwrite an OUT that is there already");
+  line.option("--utime", options.clock.zero_utime, "utime of time zero, microseconds").from_zero();
+  line.flag("--info", options.info, "list the contents of the log IN");
+  line.flag("--force", options.force, "overwrite outputs that are there already");
   line.flag("--json", options.json, "print one JSON object");
 }
 

@@ -30,12 +30,12 @@ struct Options {
 };
 
 constexpr const char* kFooter = R"(Commands:
-  save FILE                   the daemon writes its map there
-  load FILE                   it forgets its map, and looks for its place in that one
-  reset                       it forgets its map; the next scan is the first of a new one
-  set-pose X Y Z YAW_DEG      the body stands there in the map: metres and degrees
+  save FILE                   the daemon writes its map to FILE
+  load FILE                   the daemon discards its map, and relocalises in the map FILE
+  reset                       the daemon discards its map; the next scan starts a new one
+  set-pose X Y Z YAW_DEG      sets the pose of the body in the map: metres and degrees
 
-Files are those of the machine that the daemon runs on. Exit 0: done; 1: rejected, with the daemon's reason, or no answer.)";
+FILE is a file of the machine that the daemon runs on. Exit 0: done; 1: rejected, with the daemon's reason, or no answer.)";
 
 double number(const std::string& word) {
   const std::optional<double> value = finite_number(word);
@@ -87,7 +87,7 @@ class StatusListener {
     while (!last_ && Clock::now() < until) {
       const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
       if (lcm_.handleTimeout(static_cast<int>(std::clamp<std::int64_t>(left, 1, 1000))) < 0)
-        throw std::runtime_error("LCM failed while it waited for a status");
+        throw std::runtime_error("LCM failed while waiting for a status message");
     }
     return last_;
   }
@@ -108,9 +108,9 @@ std::string done(const command_t& command) {
     case command_t::SAVE_MAP:
       return command.path + ": the map is saved";
     case command_t::LOAD_MAP:
-      return command.path + ": the map is loaded; the daemon looks for its place in it";
+      return command.path + ": the map is loaded; the daemon relocalises in it";
     case command_t::RESET:
-      return "the map is forgotten; the next scan begins a new one";
+      return "the map is discarded; the next scan starts a new one";
     default:
       return "the pose is set";
   }
@@ -121,7 +121,8 @@ int run(const Options& options) {
   DaemonConfig config;
   config.url = options.url;
   const std::string url = input_url(config);
-  if (is_log_url(url)) throw std::runtime_error(url + ": a log takes no commands");
+  if (is_log_url(url))
+    throw std::runtime_error(url + ": commands cannot be sent to a log; name the URL of a running daemon");
   check_url(url);
   lcm::LCM lcm(url);
   if (!lcm.good() || !passes_self_test(lcm, url))
@@ -130,7 +131,9 @@ int run(const Options& options) {
   const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                         std::chrono::duration<double>(options.timeout_s));
   const std::optional<StatusReport> before = listener.next(until);
-  if (!before) throw std::runtime_error("no status of a daemon on " + options.status_channel + " at " + url);
+  if (!before)
+    throw std::runtime_error("no status of a daemon on " + options.status_channel + " at " + url +
+                             "; is scanlockd running there?");
   if (lcm.publish(options.channel, &command) != 0)
     throw std::runtime_error(url + ": the command cannot be sent");
   while (const std::optional<StatusReport> now = listener.next(until)) {
@@ -140,7 +143,7 @@ int run(const Options& options) {
     }
     if (now->commands_rejected > before->commands_rejected) throw std::runtime_error(now->last_error);
   }
-  throw std::runtime_error("the daemon has not told what became of the command");
+  throw std::runtime_error("the daemon did not report the result of the command in time (--timeout)");
 }
 
 void declare(CommandLine line, Options& options) {
@@ -148,11 +151,10 @@ void declare(CommandLine line, Options& options) {
                          "scanlock-command -l 'udpm://239.255.76.67:7667?ttl=1' set-pose 12.5 -3 0 90"});
   line.option("COMMAND", options.words, "save, load, reset or set-pose, and its arguments").required();
   line.option("-l,--lcm-url", options.url, "LCM URL (default: LCM_DEFAULT_URL, else this host's multicast)");
-  line.option("--channel", options.channel, "of the commands (default: SCANLOCK_COMMAND)").channel();
-  line.option("--status-channel", options.status_channel, "of the status (default: SCANLOCK_STATUS)")
+  line.option("--channel", options.channel, "channel of the commands (default: SCANLOCK_COMMAND)").channel();
+  line.option("--status-channel", options.status_channel, "channel of the status (default: SCANLOCK_STATUS)")
       .channel();
-  line.option("--timeout", options.timeout_s, "seconds to wait for what became of it (default: 30)")
-      .above_zero();
+  line.option("--timeout", options.timeout_s, "seconds to wait for the result (default: 30)").above_zero();
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ void check_usage(const ConvertOptions& options) {
   if (options.merged.empty()) return;
   for (const std::string& map : {options.input, options.output, options.merged})
     if (!has_extension(map, {".map"}))
-      throw UsageError("three files are two maps and the one that they become, each a .map: " + map);
+      throw UsageError("three files must be two maps and their merged map, each a .map: " + map);
 }
 
 /// Throws where the extension of the output contradicts the kind of output that follows from IN.
@@ -44,12 +44,13 @@ void check_kind(const ConvertOptions& options, bool from_directory, bool to_dire
 /// a map it names the extension that the output needs.
 void check_file_kind(const std::string& input, const std::string& output, bool to_trajectory) {
   if (is_bare_cloud(input))
-    throw std::runtime_error(output + ": name a map .map, which the cloud " + input + " becomes");
+    throw std::runtime_error(output + ": name the output .map: the cloud " + input + " becomes a map");
   if (has_extension(input, {".map"}))
-    throw std::runtime_error(output + ": name a cloud .ply or .pcd, which the map " + input + " becomes");
+    throw std::runtime_error(output + ": name the output .ply or .pcd: the map " + input +
+                             " becomes a cloud");
   if (!to_trajectory)
-    throw std::runtime_error(output + ": name a trajectory .tum, .kitti or .txt (" + input +
-                             " is neither a directory nor an LCM log)");
+    throw std::runtime_error(output + ": name the output .tum, .kitti or .txt: " + input +
+                             " is read as a trajectory, as it is neither a directory nor an LCM log");
 }
 
 void convert(const ConvertOptions& options) {
@@ -63,10 +64,10 @@ void convert(const ConvertOptions& options) {
   const bool from_map = file && has_extension(input, {".map"}) && is_bare_cloud(output);
   if (file && !to_map && !from_map) check_file_kind(input, output, to_trajectory);
   if (options.scan && !to_cloud)
-    throw UsageError("--scan goes with a log and a cloud OUT (.pcd, .ply or .bin)");
-  if (options.up != "z" && !to_map) throw UsageError("--up goes with a cloud IN and a map OUT");
+    throw UsageError("--scan needs a log IN and a cloud OUT (.pcd, .ply or .bin)");
+  if (options.up != "z" && !to_map) throw UsageError("--up needs a cloud IN and a map OUT");
   if (options.offset != ConvertOptions().offset && !to_map)
-    throw UsageError("--offset goes with a cloud IN and a map OUT");
+    throw UsageError("--offset needs a cloud IN and a map OUT");
   check_outputs({{input}, {to_directory ? "" : output}, to_directory ? output : ""}, options.force);
   check_kind(options, directory, to_directory);
   if (to_map) return cloud_to_map(options);

@@ -35,34 +35,36 @@ LCM log alone for its channel POSE_BODY_CORRECTED.
 Poses are matched by time: each estimate with the reference nearest to it, not farther than --tolerance.
 Where either side is a KITTI file, which has no times, the n-th pose is matched with the n-th.
 
---align se3    lays the estimate over the reference by the best rigid motion (Umeyama without scale), as evo -a does
---align yaw    by translation and rotation about z alone
---align none   compares the trajectories as they stand: both must be given in the same frame
+--align se3    aligns the estimate with the reference by the best rigid motion (Umeyama without scale), as evo -a does
+--align yaw    aligns it by a translation and a rotation about z only
+--align none   does not align it: both trajectories must be given in the same frame
 
-RPE: from each pose to the first one at least so far along the reference's way; mean over all, percent and deg/m.
-Kidnaps are jumps of the reference that no motion explains. The errors while tracking are those of the poses that say
-TRACKING or DEGRADED (all, where the states are not known) and do not lie between a kidnap and the return from it, laid over
-by these poses alone; their RPE is over stretches that hold no other pose. recovery_s: from each to the first pose from which on the
-estimate is within 1 m and 5 degrees for a second, and says that it tracks; null: never. For this the estimate is laid
-over the poses before the first kidnap, orientations too. wrong_jumps: times the estimate came to claim TRACKING over
-2 m off by a jump; known for a log with scanlock.odometry_t on SCANLOCK_ODOMETRY, else null.
+RPE over a length: from each pose to the first one at least this length further along the path of the reference; mean over
+all poses, percent and deg/m.
+Kidnaps are jumps of the reference that are too large for a motion. Errors while tracking are those of poses with the state
+TRACKING or DEGRADED (of all poses if the states are not known) that do not lie between a kidnap and its recovery, aligned by
+these poses only; their RPE is over stretches that contain no other pose. recovery_s: seconds from each kidnap to the first
+pose from which on the estimate stays within 1 m and 5 degrees for a second in state TRACKING or DEGRADED; null: never. For
+this, the estimate is aligned by positions and orientations before the first kidnap. wrong_jumps: number of jumps in state
+TRACKING to a pose that is wrong by more than 2 m; null for an estimate without scanlock.odometry_t on SCANLOCK_ODOMETRY.
 NEES: normalised estimation error squared, e^T C^-1 e, of the poses and covariances C of scanlock.odometry_t on
-SCANLOCK_ODOMETRY; mean over the poses taken (6 where the covariances hold) and share beyond 16.81, the 99 % bound of
+SCANLOCK_ODOMETRY; mean over the selected poses (6 if the covariances are right) and share beyond 16.81, the 99 % bound of
 chi-square with 6 degrees of freedom. e = log((first_truth^-1 truth)^-1 (first_estimate^-1 estimate)), [translation;
-rotation] in the body frame. Taken are poses that say TRACKING or DEGRADED, before the first kidnap and the first change
-of epoch, every 5 m of that way, or every 50 m where it is longer than 200 m. Where all of them name z, roll and pitch as
-degenerate, for a planar sensor, x, y and yaw alone count: 3 and 11.34. nees: null where ESTIMATE is no
-log or has no covariances; its mean: null (infinite) where a covariance is not positive definite.
-KITTI: stretches of 100 to 800 m from every tenth pose, as the development kit averages them.)";
+rotation] in the body frame. Selected are poses with the state TRACKING or DEGRADED before the first kidnap and the first
+change of epoch, one every 5 m of that path, or every 50 m if it is longer than 200 m. If all of them list z, roll and pitch
+as degenerate (planar sensor), only x, y and yaw count: 3 and 11.34. nees: null if ESTIMATE is not a log or has no
+covariances; its mean: null (infinite) if a covariance is not positive definite.
+KITTI: stretches of 100 to 800 m from every tenth pose, averaged as in the development kit.)";
 
 void declare(CommandLine line, Options& options) {
   line.explain(kFooter, {"scanlock-evaluate poses.tum truth.tum --html report.html",
                          "scanlock-evaluate poses.lcmlog:SCANLOCK_LOCAL_POSE truth.tum --align yaw --json"});
-  line.option("ESTIMATE", options.estimate, "the trajectory to judge").required();
-  line.option("REFERENCE", options.reference, "the trajectory to judge it by").required();
-  line.option("--align", options.align, "how the estimate is laid over the reference (default: se3)")
+  line.option("ESTIMATE", options.estimate, "the estimated trajectory").required();
+  line.option("REFERENCE", options.reference, "the reference trajectory, for example the truth").required();
+  line.option("--align", options.align, "how the estimate is aligned with the reference (default: se3)")
       .one_of({"none", "yaw", "se3"});
-  line.option("--tolerance", options.tolerance_s, "seconds between two poses of one instant (default: 0.01)")
+  line.option("--tolerance", options.tolerance_s,
+              "largest time difference of two matched poses, seconds (default: 0.01)")
       .above_zero();
   line.option("--picture", options.picture, "write an SVG picture here");
   line.option("--html", options.html, "write a page with the picture and the numbers here");
@@ -213,7 +215,7 @@ int run(const Options& options) {
     print_json(result_json(comparison, options.align));
     return 0;
   }
-  std::printf("%-20s %s\n", "laid over by", options.align.c_str());
+  std::printf("%-20s %s\n", "aligned by", options.align.c_str());
   for (const auto& [what, value] : result_rows(comparison))
     std::printf("%-20s %s\n", what.c_str(), value.c_str());
   return 0;

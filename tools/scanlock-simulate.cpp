@@ -38,28 +38,30 @@ void declare(CommandLine line, Options& options) {
   options.config.threads = machine_threads();
   line.option("--world", options.world, "urban, indoor, forest, tunnel or field").default_shown();
   line.option("--lidar", options.lidar, "vlp16, hdl64, os1-64, mid360 or planar").default_shown();
-  line.option("--seconds", options.config.seconds,
-              "length of the drive; 60, or with --laps as long as these take. With both, what comes first "
-              "ends the drive");
-  line.option("--laps", options.config.laps,
-              "drive a closed loop so often, and 10 m more, each lap a little aside of the last. urban: "
-              "around blocks, about 600 m a lap; forest and field: the usual round, about 330 and 440 m; "
-              "indoor: another floor than without laps, whose corridors are too short, a ring of about "
-              "250 m with offices on both sides. tunnel has no laps");
-  line.option("--seed", options.config.seed, "world, route and noise follow from it")
+  line.option(
+      "--seconds", options.config.seconds,
+      "length of the drive (default: 60, or with --laps the duration of the laps); with both, the drive "
+      "ends at the earlier of the two");
+  line.option(
+      "--laps", options.config.laps,
+      "drive a closed loop this many times, and 10 m more, each lap slightly beside the last one. "
+      "urban: around blocks, about 600 m a lap; forest and field: the usual round, about 330 and 440 m; "
+      "indoor: a ring of about 250 m with offices on both sides, on another floor than without laps; "
+      "tunnel has no laps");
+  line.option("--seed", options.config.seed, "seed of the world, the route and the noise")
       .from_zero()
       .default_shown();
   line.option(
           "--drive-seed", options.config.drive_seed,
-          "another drive in the world of --seed: route (urban and indoor), traffic and noise follow from it")
+          "seed of another drive in the world of --seed: of its route (urban and indoor), traffic and noise")
       .from_zero();
-  line.option("--moved", options.moved_percent,
-              "percent of the furniture (indoor), or of parked cars and bins (urban), that stand elsewhere; "
-              "which "
-              "ones follows from the seed of the drive")
+  line.option(
+          "--moved", options.moved_percent,
+          "percent of the furniture (indoor), or of parked cars and bins (urban), that are moved; the seed "
+          "of the drive selects them")
       .default_shown();
   line.option("--event", options.events,
-              "may be given again; in seconds: kidnap@T (the sensor is carried 3 to 15 m and turned), "
+              "may be repeated; T and D in seconds: kidnap@T (the sensor is carried 3 to 15 m and turned), "
               "blackout@T+D "
               "(scans empty or of at most 20 points), shake@T+D (strong rotations), halfview@T+D (nothing "
               "seen to "
@@ -67,11 +69,11 @@ void declare(CommandLine line, Options& options) {
       .repeated();  // one event per option: the word after it may be the log
   line.option("--speed", options.config.speed_mps, "cruising speed in m/s instead of the world's own");
   line.option("--start-speed", options.config.start_speed_mps,
-              "speed in m/s as the drive begins, from which it brakes or accelerates to its own")
+              "speed in m/s at the start, from which the drive brakes or accelerates to its cruising speed")
       .default_shown();
   line.option("--noise", options.noise, "standard deviation of ranges in metres instead of the sensor's own")
       .from_zero();
-  line.flag("--no-distortion", options.no_distortion, "take all points of a scan at its stamp");
+  line.flag("--no-distortion", options.no_distortion, "measure all points of a scan at its stamp");
   line.option("--stamp", options.stamp, "stamp the begin or the end of each sweep")
       .one_of({"begin", "end"})
       .default_shown();
@@ -81,7 +83,8 @@ void declare(CommandLine line, Options& options) {
       "--bin", options.bin,
       "also write the scans to this directory: NNNNNN.bin (KITTI), ptime/NNNNNN.f32 and times.txt, as "
       "scanlock-convert reads them");
-  line.option("--threads", options.config.threads, "the result does not depend on it").default_shown();
+  line.option("--threads", options.config.threads, "worker threads; the result does not depend on them")
+      .default_shown();
   line.flag("--force", options.force, "overwrite outputs that are there already");
   line.flag("--json", options.json, "print one JSON object on standard output");
   line.option("LOG", options.log, "the LCM log to write").required();

@@ -64,8 +64,8 @@ class SignalThread {
     // at most, whatever delays the end: a peer that does not read, or a slow disk.
     if (ended_.wait_for(std::chrono::milliseconds(900))) return;
     log_line(LogLevel::kWarning, unsaved_
-                                     ? "ended without waiting for the work at hand: the map was not saved"
-                                     : "ended without waiting for the work at hand");
+                                     ? "ended before the work in progress was done: the map was not saved"
+                                     : "ended before the work in progress was done");
     std::_Exit(unsaved_ ? 1 : 0);
   }
 
@@ -116,7 +116,8 @@ nlohmann::json to_json(const DoctorReport& report) {
 }
 
 int check(const Config& config, bool json) {
-  if (isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "looking and listening for three seconds ...\n");
+  if (isatty(STDERR_FILENO) != 0)
+    std::fprintf(stderr, "checking the host, and listening for three seconds ...\n");
   const DoctorReport report = examine(config.daemon);
   if (json) {
     print_json(to_json(report));
@@ -156,14 +157,15 @@ int serve(const Config& config) {
   const Counters counters = daemon.report().counters;
   log_line(LogLevel::kInfo, "ended: " + std::to_string(counters.received) + " scans received, " +
                                 std::to_string(counters.used) + " used, " +
-                                std::to_string(counters.replaced) + " replaced by fresher ones, " +
+                                std::to_string(counters.replaced) + " replaced by newer ones, " +
                                 std::to_string(counters.rejected()) + " rejected, " +
                                 std::to_string(counters.without_time) + " without a time, " +
                                 std::to_string(counters.kernel_drops) + " datagrams dropped by the kernel");
   if (counters.priors_rejected + counters.priors_absent + counters.priors_contradicting > 0) {
     log_line(LogLevel::kInfo, "priors: " + std::to_string(counters.priors_rejected) + " messages rejected, " +
-                                  std::to_string(counters.priors_absent) + " scans without, " +
-                                  std::to_string(counters.priors_contradicting) + " scans that contradict");
+                                  std::to_string(counters.priors_absent) + " scans without a prior, " +
+                                  std::to_string(counters.priors_contradicting) +
+                                  " scans that contradict their prior");
   }
   return 0;
 }
@@ -175,25 +177,29 @@ void declare(CommandLine line, Options& options) {
   line.option("-c,--config", options.config_path, "configuration (TOML); --print-config shows all keys");
   line.option("-l,--lcm-url", options.url,
               "LCM URL of the scans; default: LCM_DEFAULT_URL, else " + std::string(kDefaultUrl));
-  line.option("--out-url", options.out_url, "LCM URL of what is published; default: that of the scans");
+  line.option("--out-url", options.out_url, "LCM URL of the published messages; default: that of the scans");
   line.option("--scan-channel", options.scan_channels,
               "channel that carries scans, may be repeated; default: LIDAR")
       .repeated();
   line.option("--pose-channel", options.pose_channel,
               "channel of bot_core.pose_t; default: POSE_BODY_CORRECTED");
-  line.option("--map", options.map_file,
-              "map to find the place in, and to save to on exit (.map); a cloud of any program (.ply, .pcd), "
-              "which is never written; see map.mode. Default: none");
+  line.option(
+      "--map", options.map_file,
+      "map to relocalise in, and to save to on exit (.map); or a cloud from any program (.ply, .pcd), "
+      "which is never written; see map.mode. Default: none");
   line.option("--threads", options.threads, "threads of one alignment; the result does not depend on it")
       .within(1, 256);
-  line.flag("--check", options.check, "the doctor: would scans arrive here? exit 1 when some would be lost");
-  line.flag("--print-config", options.print, "print the configuration as it stands, explained, and exit");
+  line.flag("--check", options.check,
+            "the doctor: test whether scans arrive on this host, and print the command that corrects each "
+            "fault; exit 1 if scans would be lost");
+  line.flag("--print-config", options.print,
+            "print the configuration in effect, each key with its explanation, and exit");
   line.flag("--json", options.json, "with --check: one JSON object on standard output");
   line.flag("--force", options.force, "overwrite the log that --out-url names, where it is there already");
 }
 
 int run(const Options& options) {
-  if (options.json && !options.check) throw UsageError("--json goes with --check");
+  if (options.json && !options.check) throw UsageError("--json needs --check");
   const Config config = configured(options);
   if (options.print) {
     print(print_config(config));

@@ -150,7 +150,8 @@ std::string alignment_svg(const AlignmentPicture& picture) {
   svg +=
       "<style>.grid{stroke:#ddd;stroke-width:1;fill:none}.panel{stroke:#888;fill:none}"
       ".dots{stroke-width:1.6;stroke-linecap:round;fill:none}</style>\n";
-  svg += text(20, 24, picture.title + ": source over target (grey); above: as it was given, below: aligned");
+  svg += text(20, 24,
+              picture.title + ": source over target (grey); above: before the alignment, below: after it");
   for (int row = 0; row < 2; ++row) {
     const double top = kTop + row * (kPanel + kGap);
     for (std::size_t v = 0; v < kViews.size(); ++v) {

@@ -86,10 +86,12 @@ std::string map_svg(const MapPicture& picture) {
       "2; stroke-linecap: round; fill: none; } .way { stroke: #1a73e8; stroke-width: 2; fill: none; } .place "
       "{ "
       "fill: #d93025; }</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
-  svg += line_of_text(kPlanLeft, 32, "title", picture.title) +
-         line_of_text(kPlanLeft, 54, "axis",
-                      "grey: what stands in the map; blue: the way; red: found, or corrected") +
-         panel.grid("x (m)", "y (m)", 9, 8) + "<path class=\"plan\" d=\"";
+  svg +=
+      line_of_text(kPlanLeft, 32, "title", picture.title) +
+      line_of_text(
+          kPlanLeft, 54, "axis",
+          "grey: upright objects of the map; blue: path of the robot; red: relocalisations and corrections") +
+      panel.grid("x (m)", "y (m)", 9, 8) + "<path class=\"plan\" d=\"";
   for (const Eigen::Vector2d& p :
        plan_of(picture.map, (extent.most - extent.least).maxCoeff() / kPlanCells)) {
     const Eigen::Vector2d at = panel.to_pixels(p);

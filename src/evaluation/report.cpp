@@ -52,7 +52,7 @@ bool is_split(const Comparison& comparison) {
 }
 
 std::string nees_text(const Nees& nees) {
-  return number("%.2f", nees.mean) + " on average of " + std::to_string(nees.poses) + " poses, " +
+  return number("%.2f", nees.mean) + " (mean of " + std::to_string(nees.poses) + " poses), " +
          std::to_string(nees.dof) + " expected; " + number("%.1f %%", 100 * nees.beyond_99) + " beyond " +
          number("%.2f", nees.dof == 3 ? kBeyond99Of3 : kBeyond99Of6) + ", 1 % expected";
 }
@@ -110,7 +110,7 @@ std::vector<Stretch> estimate_stretches(const Comparison& comparison) {
 
 std::string kidnap_words(const Kidnap& kidnap) {
   return number("kidnapped %.1f m, ", kidnap.jump_m) + number("%.0f deg; ", kidnap.jump_deg) +
-         (kidnap.recovery_s ? number("back after %.1f s", *kidnap.recovery_s) : "not back");
+         (kidnap.recovery_s ? number("recovered after %.1f s", *kidnap.recovery_s) : "not recovered");
 }
 
 std::string kidnaps_from_above(const Comparison& comparison, const SvgPanel& panel) {
@@ -226,9 +226,10 @@ std::string heading(const Comparison& comparison) {
          "<path class=\"estimate\" d=\"M76 72h28\"/><text class=\"tick\" x=\"110\" y=\"76\">estimate</text>\n"
          "<path class=\"reference\" d=\"M186 72h28\"/><text class=\"tick\" x=\"222\" "
          "y=\"76\">reference</text>\n" +
-         (comparison.states.empty() ? ""
-                                    : "<path class=\"lost\" d=\"M304 72h28\"/><text class=\"tick\" x=\"340\" "
-                                      "y=\"76\">estimate, not tracking by its own account</text>\n");
+         (comparison.states.empty()
+              ? ""
+              : "<path class=\"lost\" d=\"M304 72h28\"/><text class=\"tick\" x=\"340\" "
+                "y=\"76\">estimate in other states than TRACKING and DEGRADED</text>\n");
 }
 
 void add_errors(const AbsoluteError& ate_m,
@@ -248,9 +249,9 @@ void add_kidnaps(const Comparison& comparison, Rows& rows) {
     rows.push_back({number("at %.1f s", since_start), kidnap_words(kidnap)});
     if (i >= comparison.split.away.size() || !comparison.split.away[i].ate_m) continue;
     const AwayError& away = comparison.split.away[i];
-    rows.push_back({"  error until back", std::to_string(away.poses) + " poses, " +
-                                              number("rmse %.2f m, ", away.ate_m->rmse) +
-                                              number("max %.2f m", away.ate_m->max)});
+    rows.push_back({"  until recovery", std::to_string(away.poses) + " poses, " +
+                                            number("rmse %.2f m, ", away.ate_m->rmse) +
+                                            number("max %.2f m", away.ate_m->max)});
   }
 }
 

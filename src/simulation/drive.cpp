@@ -256,7 +256,7 @@ double kidnap_distance(const Polyline& route, double s, double t, Random& random
     if (moved >= kMinimumKidnap && moved <= kMaximumKidnap) return back;
   }
   throw std::invalid_argument("kidnap at " + std::to_string(t) + " s: only " + std::to_string(s) +
-                              " m are driven by then, let it come later (it needs 3 m of driven ground)");
+                              " m are driven by then; choose a later time (it needs 3 m of driven path)");
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ SimulationConfig checked(const SimulationConfig& config) {
   if (config.noise_m && !(*config.noise_m >= 0 && *config.noise_m <= 10))
     throw std::invalid_argument("the noise must lie between 0 and 10 m");
   if (!(config.moved >= 0 && config.moved <= 1))
-    throw std::invalid_argument("the share that was moved must lie between 0 and 100 %");
+    throw std::invalid_argument("the share of moved objects must lie between 0 and 100 %");
   if (config.threads < 1 || config.threads > 256)
     throw std::invalid_argument("threads must lie between 1 and 256");
   return config;
@@ -67,7 +67,7 @@ double drive_seconds(const SimulationConfig& config, const World& world, const L
     const double laps_s = driving_time(world.route, world.style, world.laps_end_m, drive_seed(config));
     if (laps_s > kLongest && !config.seconds)
       throw std::invalid_argument("the laps take " + text_of(laps_s) +
-                                  " s, more than 90000: let it drive fewer or faster");
+                                  " s, more than 90000: choose fewer laps or a higher speed");
     seconds = std::min(seconds, laps_s);
   }
   if (std::floor(seconds / lidar.period_s + 1e-6) < 1)
@@ -75,7 +75,7 @@ double drive_seconds(const SimulationConfig& config, const World& world, const L
   for (const SimulationEvent& event : config.events) {
     if (event.time_s >= seconds)
       throw std::invalid_argument("an event at " + text_of(event.time_s) +
-                                  " s never comes: the drive ends after " + text_of(seconds) + " s");
+                                  " s is not reached: the drive ends after " + text_of(seconds) + " s");
   }
   return seconds;
 }

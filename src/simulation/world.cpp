@@ -104,7 +104,7 @@ World make_world(WorldKind kind, std::uint64_t seed, const Visit& visit) {
   if (visit.speed_mps > 0) style.slow_mps = style.fast_mps = visit.speed_mps;
   style.start_mps = visit.start_mps;
   if (visit.moved > 0 && kind != WorldKind::kUrban && kind != WorldKind::kIndoor)
-    throw std::invalid_argument("nothing stands about there that could be moved: choose urban or indoor");
+    throw std::invalid_argument("this world has no objects that can be moved: choose urban or indoor");
   switch (kind) {
     case WorldKind::kUrban:
       return make_urban(seed, visit, style);
@@ -115,7 +115,7 @@ World make_world(WorldKind kind, std::uint64_t seed, const Visit& visit) {
     case WorldKind::kTunnel:
       if (visit.laps > 0)
         throw std::invalid_argument(
-            "the tunnel has no laps, for it never meets itself: choose urban, indoor, forest or field");
+            "the tunnel has no laps, as it is not a closed loop: choose urban, indoor, forest or field");
       return make_tunnel(seed, visit, style);
     case WorldKind::kField:
       return make_field(seed, visit, style);

@@ -106,8 +106,8 @@ TEST_CASE("scanlock-align fails where the clouds leave a motion open, unless it 
   CHECK(refused.code == 1);
   CHECK(refused.output.find("\"degenerate_axes\":[\"x\",\"y\",\"rz\"]") != std::string::npos);
   CHECK(refused.errors ==
-        "scanlock-align: the alignment is degenerate: the clouds leave x, y, rz open; --accept "
-        "ambiguous takes it\n");
+        "scanlock-align: the alignment is degenerate: the clouds do not constrain x, y, rz; "
+        "--accept ambiguous accepts it\n");
   command.insert(command.end(), {"--accept", "ambiguous"});
   const Result accepted = run(folder, command);
   CHECK(accepted.code == 0);

@@ -87,7 +87,7 @@ TEST_CASE("evaluate prints one JSON object with the members of the contract") {
   const Result laid = run(folder, {"scanlock-evaluate", folder / "estimate.tum", folder / "reference.tum",
                                    "--note", "drive: the first"});
   CHECK(contains(laid.output, "\ndrive                the first\n"));
-  CHECK(laid.output.substr(0, laid.output.find('\n')) == "laid over by         se3");
+  CHECK(laid.output.substr(0, laid.output.find('\n')) == "aligned by           se3");
   CHECK(std::filesystem::file_size(folder / "p.html") > std::filesystem::file_size(folder / "p.svg"));
 }
 

@@ -31,7 +31,7 @@ void make_tree(const TemporaryFolder& folder, const std::string& replaced) {
   write_program(folder / "build/bin/scanlock-simulate", "true\n");
   write_program(folder / "build/bin/scanlockd",
                 "trap 'echo \"scanlockd: ended: 10 scans received, " + replaced +
-                    " replaced by fresher ones\" >&2; kill $!; exit 0' TERM\n"
+                    " replaced by newer ones\" >&2; kill $!; exit 0' TERM\n"
                     "echo 'scanlockd: TRACKING (was INITIALISING) at utime 1' >&2\n"
                     "sleep 20 & wait\n");
   write_program(folder / "build/bin/scanlock-evaluate",

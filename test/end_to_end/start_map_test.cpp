@@ -151,7 +151,7 @@ TEST_CASE("a cloud whose y axis points upwards becomes, with --up, the map of th
   }
   const Result cloud = run(folder, {"scanlock-convert", folder / "y.map", folder / "again.ply", "--up", "y"});
   CHECK(cloud.code == 2);
-  CHECK(contains(cloud.errors, "--up goes with a cloud IN and a map OUT"));
+  CHECK(contains(cloud.errors, "--up needs a cloud IN and a map OUT"));
 }
 
 TEST_CASE("a cloud in UTM becomes, with --offset, the map of the same cloud near zero") {
@@ -181,7 +181,7 @@ TEST_CASE("a cloud in UTM becomes, with --offset, the map of the same cloud near
   const Result cloud =
       run(folder, {"scanlock-convert", folder / "far.map", folder / "again.ply", "--offset", "1,2,3"});
   CHECK(cloud.code == 2);
-  CHECK(contains(cloud.errors, "--offset goes with a cloud IN and a map OUT"));
+  CHECK(contains(cloud.errors, "--offset needs a cloud IN and a map OUT"));
 }
 
 TEST_CASE("a cloud and a map say what they become where OUT names something else") {
@@ -189,8 +189,8 @@ TEST_CASE("a cloud and a map say what they become where OUT names something else
   write_cloud(folder / "room.ply", room());
   write_map(folder / "site.map", {});
   for (const auto& [in, out, reason] :
-       {std::tuple("room.ply", "room.tum", "room.tum: name a map .map, which the cloud"),
-        std::tuple("site.map", "two.map", "two.map: name a cloud .ply or .pcd, which the map")}) {
+       {std::tuple("room.ply", "room.tum", "room.tum: name the output .map: the cloud"),
+        std::tuple("site.map", "two.map", "two.map: name the output .ply or .pcd: the map")}) {
     const std::string expected = reason;
     CAPTURE(expected);
     const Result result = run(folder, {"scanlock-convert", folder / in, folder / out});

@@ -134,7 +134,7 @@ TEST_CASE("what the covariances are worth is one row, where it is known") {
   const auto rows = result_rows(comparison);
   REQUIRE(rows.size() == without.size() + 1);
   CHECK(rows.back().first == "NEES");
-  CHECK(rows.back().second == "2.35 on average of 12 poses, 3 expected; 25.0 % beyond 11.34, 1 % expected");
+  CHECK(rows.back().second == "2.35 (mean of 12 poses), 3 expected; 25.0 % beyond 11.34, 1 % expected");
 }
 
 TEST_CASE("a kidnap is marked and what does not track is drawn apart") {
@@ -153,7 +153,7 @@ TEST_CASE("a kidnap is marked and what does not track is drawn apart") {
   CHECK(count(svg, "class=\"kidnap\"") == 1);
   CHECK(count(svg, "class=\"reference\"") == 2 + 1 + 1);  // two pieces, the legend, the height
   CHECK(count(svg, "kidnapped 9.") == 1);
-  CHECK(count(svg, "not back") == 1);
+  CHECK(count(svg, "not recovered") == 1);
   CHECK(count(svg, "class=\"lost\"") == 1 + 1);
   comparison.split = split_errors(comparison.pairs, comparison.states, comparison.kidnaps, Overlay::kNone);
   CHECK(is_balanced(trajectory_svg(comparison)));
@@ -166,7 +166,7 @@ TEST_CASE("a kidnap is marked and what does not track is drawn apart") {
   };
   CHECK(value_of("while tracking") == "300 poses");
   CHECK(value_of("  ATE rmse") == "0.500 m");  // the first row of this name; that of all poses follows
-  CHECK(value_of("  error until back").substr(0, 9) == "300 poses");
+  CHECK(value_of("  until recovery").substr(0, 9) == "300 poses");
   CHECK(value_of("all poses") == "600 poses");
   CHECK(rows.back().first == "wrong jumps");
   CHECK(rows.back().second == "1");  // the estimate reports TRACKING at a wrong pose
