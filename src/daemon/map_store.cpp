@@ -66,7 +66,8 @@ std::string described(const SavedMap& map) {
 
 constexpr const char* kNoFile =
     "no map file is named, neither in the command nor in the configuration (map.file)";
-constexpr const char* kStays = "the configured map stays as it is (map.mode); name a file to save to";
+constexpr const char* kStays =
+    "the configured map is not written in this mode (map.mode); name a file to save to";
 
 bool stays_as_it_is(const MapConfig& config, const std::string& file) {
   return config.mode == "localise" || (config.mode == "auto" && is_bare_cloud(file));
@@ -78,8 +79,8 @@ void keep(const std::string& file, const Statistics& statistics) {
   if (!std::filesystem::exists(file, error)) return;
   std::filesystem::remove(kept, error);  // not overwritten: a loaded map may still read its points from it
   if (!error) std::filesystem::copy_file(file, kept, error);
-  if (error) throw std::runtime_error(kept + ": cannot keep the map before: " + error.message());
-  statistics.say(LogLevel::kInfo, file + ": holds another map, which is kept as " + kept);
+  if (error) throw std::runtime_error(kept + ": cannot keep a copy of the previous map: " + error.message());
+  statistics.say(LogLevel::kInfo, file + ": holds a different map, which is kept as " + kept);
 }
 
 }  // namespace
@@ -115,7 +116,7 @@ std::optional<LoadedMap> MapStore::load_at_start() {
   if (!saved_file_.empty() && !std::filesystem::exists(saved_file_, error) && !error) {
     const std::string folder = std::filesystem::absolute(saved_file_).parent_path();
     if (access(folder.c_str(), W_OK) != 0)  // report this at the start, not after the drive
-      throw std::runtime_error(saved_file_ + ": cannot be created there: " + std::strerror(errno));
+      throw std::runtime_error(saved_file_ + ": cannot be created: " + std::strerror(errno));
     statistics_.say(LogLevel::kInfo, saved_file_ + ": no map yet; it is written on exit");
     if (saved_file_ == config_.file) return std::nullopt;
     return read(config_.file);
@@ -125,9 +126,9 @@ std::optional<LoadedMap> MapStore::load_at_start() {
     const bool newer = std::filesystem::last_write_time(config_.file, error) >
                        std::filesystem::last_write_time(saved_file_, error);
     if (newer && !error)
-      statistics_.complain(instead + ", which is newer; move it away to begin anew");
+      statistics_.complain(instead + ", which is newer; to load that, move the .map away");
     else
-      statistics_.say(LogLevel::kInfo, instead + ", out of which it has grown");
+      statistics_.say(LogLevel::kInfo, instead + ", from which it was made");
   }
   try {
     LoadedMap loaded = read(saved_file_.empty() ? config_.file : saved_file_);
@@ -152,7 +153,7 @@ LoadedMap MapStore::read(const std::string& file) const {
   const Pose sensor_from_body = body_from_sensor_.inverse();
   const Eigen::Vector3d up = sensor_from_body.linear() * axis_of(config_.up);
   if (is_bare_cloud(file)) {
-    statistics_.say(LogLevel::kInfo, file + ": a bare cloud; a map is made of it");
+    statistics_.say(LogLevel::kInfo, file + ": a bare cloud; making a map of it");
     CloudMapBuilder builder({up, max_range_m_, sensor_from_body, threads_});
     read_cloud(file, [&](PointCloud&& part) { builder.add(std::move(part)); });
     loaded.map = builder.build(file);
@@ -190,8 +191,8 @@ void MapStore::save_on_command(const std::string& path, SavedMap map) {
 void MapStore::save(const std::string& path, SavedMap map, bool commanded) {
   const std::string& file = path.empty() ? saved_file_ : path;
   if (file.empty()) throw std::runtime_error(config_.file.empty() ? kNoFile : kStays);
-  if (map.keyframes.empty()) throw std::runtime_error(file + ": there is no map yet that could be saved");
-  if (is_busy()) throw std::runtime_error(file + ": a map is being saved just now; ask again");
+  if (map.keyframes.empty()) throw std::runtime_error(file + ": there is no map yet to save");
+  if (is_busy()) throw std::runtime_error(file + ": a map is being saved; repeat the command later");
   const bool keep_old = file == saved_file_ && is_another(map);
   if (file == saved_file_) written_ = map;
   writing_ = std::async(std::launch::async, [this, file, keep_old, commanded, saved = std::move(map)] {

@@ -46,7 +46,7 @@ std::unique_ptr<MessageSink> open_sink(const std::string& url, Statistics& stati
   if (!is_log_url(url)) return std::make_unique<NetworkSink>(url, statistics);
   const std::string mode = url_option(url, "mode").value_or("r");
   if (mode != "w" && mode != "a")
-    throw ConfigError(url + ": a log is written with ?mode=w (or mode=a to append) at its end");
+    throw ConfigError(url + ": to write a log, end its URL with ?mode=w (or ?mode=a to append)");
   try {
     return std::make_unique<LogSink>(log_url_path(url),
                                      mode == "a" ? LogWriter::Mode::kAppend : LogWriter::Mode::kCreate);

@@ -78,7 +78,7 @@ void Outputs::say_state(const TrackedScan& tracked) const {
   statistics_.say(tracked.state == TrackingState::kTracking ? LogLevel::kInfo : LogLevel::kWarning,
                   std::string(to_string(tracked.state)) + " (was " + to_string(last_.state) + ") at utime " +
                       std::to_string(tracked.utime) +
-                      (tracked.localised ? "" : "; not found so far in the map that was loaded"));
+                      (tracked.localised ? "" : "; not yet relocalised in the loaded map"));
 }
 
 bool Outputs::status_is_due(std::int64_t utime) const {

@@ -58,7 +58,7 @@ FinishedScan Pipeline::process(const ReceivedScan& received) {
     track(received, &finished);
     if (auto request = mapper_.take_request()) search_.start(std::move(*request));
   } catch (const std::exception& error) {  // lack of memory only; tracking restarts with the next scan
-    statistics_.complain(std::string("a scan could not be tracked, starting anew: ") + error.what());
+    statistics_.complain(std::string("a scan could not be tracked, starting a new map: ") + error.what());
     mapper_.reset();
     finished.tracked.verdict = ScanVerdict::kEmpty;
     finished.tracked.why = error.what();
@@ -108,10 +108,10 @@ Pose Pipeline::correction(std::uint32_t stamp) const {
 
 void Pipeline::note_clock(const TrackedScan& tracked) {
   if (!tracked.clock_step_from) return;
-  statistics_.complain(&Counters::clock_steps,
-                       "the clock of the scans stepped: the last scan of the old one has utime " +
-                           std::to_string(*tracked.clock_step_from) + ", the new one says " +
-                           std::to_string(tracked.utime) + "; map, pose and epoch stay");
+  statistics_.complain(&Counters::clock_steps, "the clock of the scans stepped from utime " +
+                                                   std::to_string(*tracked.clock_step_from) + " to " +
+                                                   std::to_string(tracked.utime) +
+                                                   "; map, pose and epoch are kept");
 }
 
 void Pipeline::execute(const Command& command) {
@@ -122,7 +122,7 @@ void Pipeline::execute(const Command& command) {
     statistics_.complain(&Counters::commands_rejected, what + " rejected: " + error.what());
     return;
   }
-  statistics_.say(LogLevel::kInfo, what + " taken");
+  statistics_.say(LogLevel::kInfo, what + " executed");
   if (command.kind != CommandKind::kSaveMap)
     statistics_.count(&Counters::commands);  // a saved map is counted when it is written
 }
@@ -136,8 +136,7 @@ void Pipeline::attempt(const Command& command) {
       return mapper_.reset();
     case CommandKind::kSaveMap:
       if (mode_ == Mode::kReplay)
-        throw std::runtime_error(
-            "a replay does not write the files that were written when its log was recorded");
+        throw std::runtime_error("a replay does not execute recorded commands to save a map");
       return maps_.save_on_command(command.path, mapper_.save());
     case CommandKind::kLoadMap: {
       LoadedMap loaded = maps_.load(command.path);

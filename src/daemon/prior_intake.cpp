@@ -17,7 +17,7 @@ std::optional<std::string> complaint(const std::string& channel, PriorBuffer::Ad
       return std::nullopt;
     case PriorBuffer::Addition::kBackward:
       return channel + ": utime " + std::to_string(utime) +
-             " is not after that of the message before; ignored";
+             " is not after that of the previous message; ignored";
     case PriorBuffer::Addition::kNotFinite:
       return channel + ": the pose is not finite; ignored";
   }
@@ -67,12 +67,12 @@ std::optional<Pose> PriorIntake::read(Source& source, std::int64_t scan_utime, s
       sentence = "nothing came on this channel so far";
       break;
     case PriorBuffer::Absence::kStale:
-      sentence = "nothing near the scan of utime " + std::to_string(scan_utime) + ", the newest is " +
+      sentence = "nothing near the scan of utime " + std::to_string(scan_utime) + ", the newest message is " +
                  offset_words(answer.offset_s);
       break;
     case PriorBuffer::Absence::kShifted:
       sentence = "its stamps are " + offset_words(answer.offset_s) +
-                 " of the scans'; they run on two clocks, or the messages are late; ignored";
+                 " of the scans'; the clocks differ, or the messages are late; ignored";
       break;
   }
   fault += (fault.empty() ? "" : "; ") + source.channel + ": " + sentence;

@@ -40,8 +40,8 @@ std::optional<std::string> PublisherWatch::look(const TrackedScan& tracked) {
   if (!alternate && !tracked.interleaved) return std::nullopt;
   silence_ = kSilence;
   return "two publishers send scans here: " +
-         (alternate ? std::string("every other scan is of another place")
-                    : "their stamps are of two clocks in turn (" + tracked.why + ")") +
+         (alternate ? std::string("every other scan is from another position")
+                    : "their stamps alternate between two clocks (" + tracked.why + ")") +
          "; stop one of them, or give it a channel of its own";
 }
 

@@ -22,7 +22,7 @@ double number_in(const std::string& url, const std::string& key, double standard
   char* end = nullptr;
   const double value = std::strtod(text->c_str(), &end);
   if (text->empty() || *end != '\0' || !(value >= 0) || !std::isfinite(value))
-    throw ConfigError(url + ": " + key + "=" + *text + " is no number from 0 on");
+    throw ConfigError(url + ": " + key + "=" + *text + " is not a number of 0 or more");
   return value;
 }
 

@@ -36,7 +36,7 @@ std::string no_pose_has_enough(const MatchRegistration& search) {
   const std::string enough =
       std::to_string(kFewestMatches) + " of " + std::to_string(search.matches) + " matches";
   if (search.upper_bound < kFewestMatches) return "no pose has " + enough;
-  return "no pose with " + enough + " was found, not proven that there is none";
+  return "no pose with " + enough + " was found, and it is not proven that none exists";
 }
 
 /// A subset of the directions such that each direction is within kSpread of one of the subset.
@@ -186,11 +186,11 @@ void Registrar::attempt(const CloudDescription& source, const CloudDescription& 
 std::string Registrar::numbers() const {
   const MatchRegistration& s = result_.solution;
   char text[200];
-  int length = std::snprintf(text, sizeof text, "%d of %zu matches agree, elsewhere at most %d", s.consensus,
-                             s.matches, s.runner_up_bound);
+  int length = std::snprintf(text, sizeof text, "%d of %zu matches agree, at any other pose at most %d",
+                             s.consensus, s.matches, s.runner_up_bound);
   if (!hypotheses_.empty()) {
     std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
-                  "; %.0f %% of the surfaces overlap, %.1f %% contradict", 100 * result_.fit.overlap,
+                  "; %.0f %% of the surfaces overlap, %.1f %% lie in free space", 100 * result_.fit.overlap,
                   100 * result_.fit.contradiction);
   }
   return text;
@@ -228,14 +228,14 @@ void Registrar::judge() {
     result_.why = "another pose fits the clouds about as well: " + numbers();
   } else if ((best->degenerate_axes & kHorizontalAxes) != 0 || clouds_.slides(*best)) {
     result_.verdict = GlobalVerdict::kAmbiguous;
-    result_.why = "the clouds leave a motion open: " + numbers();
+    result_.why = "the clouds do not constrain the pose: " + numbers();
   } else if (result_.attempts > kPlainAttempts ? !strong || !clear : !strong && !clear) {
     result_.verdict = GlobalVerdict::kAmbiguous;
-    result_.why = "no pose stands out: " + numbers();
+    result_.why = "no pose is clearly better than the others: " + numbers();
   } else if (!s.certified) {
     result_.verdict = GlobalVerdict::kUncertified;
     result_.why =
-        "the search ended before its proof (at most " + std::to_string(s.upper_bound) + "): " + numbers();
+        "the search ended before its proof (upper bound " + std::to_string(s.upper_bound) + "): " + numbers();
   } else {
     result_.verdict = GlobalVerdict::kCertain;
     result_.why = numbers();
@@ -341,7 +341,7 @@ void Registrar::try_again() {
     result_.attempts = attempts;
   } else if (clouds_.separation(first.target_from_source, result_.target_from_source) >= 1) {
     result_.verdict = GlobalVerdict::kAmbiguous;
-    result_.why = "more matches lead to another pose: " + numbers();
+    result_.why = "a search with more matches finds another pose: " + numbers();
   }
 }
 
@@ -368,8 +368,8 @@ CloudRegistration register_clouds(const CloudDescription& source, const CloudDes
   if (source.keypoints.empty() || target.keypoints.empty()) {
     CloudRegistration nothing;
     nothing.solution.certified = true;
-    nothing.why = std::string("the ") + (source.keypoints.empty() ? "source" : "target") +
-                  " has nothing that could be recognised";
+    nothing.why =
+        std::string("the ") + (source.keypoints.empty() ? "source" : "target") + " has no keypoints";
     return nothing;
   }
   return Registrar(source, target, options, target_check).run();

@@ -24,7 +24,7 @@ void check_input(const Matches& matches, const MatchRegistrationOptions& options
   require(options.tilt >= 0 && options.tilt <= 0.5, "the tilt must be between 0 and 0.5 radians");
   require(options.budget_s >= 0, "the budget must be 0 seconds or more");
   require(options.runner_up_distance >= 0 && options.runner_up_angle >= 0,
-          "the rival distance and angle must be 0 or more");
+          "the distance and angle of the runner-up must be 0 or more");
   require(matches.size() < std::numeric_limits<std::uint32_t>::max() / 2, "there are too many matches");
   constexpr double kLargest = 1e9;  // squares and grids of coordinates beyond have no meaning in metres
   for (std::size_t i = 0; i < matches.size(); ++i) {

@@ -104,7 +104,7 @@ std::optional<StampedPose> decode_pose(const std::uint8_t* data, std::size_t siz
       read_odometry(reader, raw);
       break;
     default:
-      reader.fail(DecodeFault::kUnknownType, "the message is of no pose type that we know");
+      reader.fail(DecodeFault::kUnknownType, "the message type is not a known pose type");
   }
   const Eigen::Vector3d position(raw.position[0], raw.position[1], raw.position[2]);
   if (reader.ok() && !position.allFinite()) reader.fail(DecodeFault::kBadField, "the position is not finite");

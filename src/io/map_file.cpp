@@ -28,7 +28,7 @@ void refuse_other_files(const std::string& path) {
   std::array<char, kMagic.size()> start{};
   file.read(start.data(), start.size());
   if (!file || std::memcmp(start.data(), kMagic.data(), kMagic.size()) != 0)
-    throw std::runtime_error(path + ": is there and is not a scanlock map; it is not overwritten");
+    throw std::runtime_error(path + ": exists and is not a scanlock map; it is not overwritten");
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ SavedMap read_map(const std::string& path) {
   ByteSource source(path);
   if (source.left() > kMostBytes)
     throw std::runtime_error(path + ": has " + std::to_string(source.left()) +
-                             " bytes; no scanlock map is so large");
+                             " bytes, over the limit of 4 GiB for a map");
   return decode_map(source, path);
 }
 

@@ -70,7 +70,7 @@ class MapReader {
     const std::size_t end = at();
     const std::uint32_t sum = checksum_;
     if (get<std::uint32_t>("the checksum") != sum)
-      fail(end, "the checksum does not fit: the file is damaged");
+      fail(end, "the checksum does not match: the file is damaged");
   }
   std::size_t at() const { return source_.offset(); }
   std::size_t left() const { return source_.left() - held_back_; }
@@ -95,7 +95,7 @@ class MapReader {
 std::uint32_t read_header(MapReader& reader) {
   for (const std::uint8_t expected : kMagic) {
     const std::size_t at = reader.at();
-    if (reader.left() == 0 || reader.get<std::uint8_t>("the mark of a map file") != expected)
+    if (reader.left() == 0 || reader.get<std::uint8_t>("the signature of a map file") != expected)
       reader.fail(at, "not a scanlock map");
   }
   const std::size_t at = reader.at();
@@ -110,7 +110,7 @@ std::uint32_t read_header(MapReader& reader) {
   if (there < kChecksumBytes || body != there - kChecksumBytes) {
     reader.fail(at + 4, "a body of " + std::to_string(body) + " bytes and a checksum of " +
                             std::to_string(kChecksumBytes) + " are announced, " + std::to_string(there) +
-                            " are there: the file is " +
+                            " bytes follow: the file is " +
                             (there < kChecksumBytes || body > there - kChecksumBytes ? "cut" : "too long"));
   }
   reader.hold_back_checksum();
@@ -139,21 +139,24 @@ Eigen::Vector3d read_up(MapReader& reader) {
   for (double& coordinate : up)
     coordinate = bits_of<double>(reader.get<std::uint64_t>("the upward direction"));
   constexpr double kTolerance = 1e-6;
-  if (!(std::abs(up.norm() - 1) < kTolerance)) reader.fail(at, "the upward direction is none");
+  if (!(std::abs(up.norm() - 1) < kTolerance)) reader.fail(at, "the upward direction is not a unit vector");
   return up;
 }
 
 std::vector<Eigen::Vector3f> read_stands(MapReader& reader) {
   const std::size_t start = reader.at();
-  const std::uint64_t count = reader.get<std::uint32_t>("the number of stands");
-  if (count > kMostBodyUps) reader.fail(start, std::to_string(count) + " stands are none of ours");
-  reader.need(count * kStandBytes, "the stands");
+  const std::uint64_t count = reader.get<std::uint32_t>("the number of body-up attitudes");
+  if (count > kMostBodyUps)
+    reader.fail(start, std::to_string(count) + " body-up attitudes of a keyframe, over the limit of " +
+                           std::to_string(kMostBodyUps));
+  reader.need(count * kStandBytes, "the body-up attitudes");
   std::vector<Eigen::Vector3f> body_ups(static_cast<std::size_t>(count));
   for (Eigen::Vector3f& up : body_ups) {
     const std::size_t at = reader.at();
-    for (int axis = 0; axis < 3; ++axis) up[axis] = bits_of<float>(reader.get<std::uint32_t>("a stand"));
+    for (int axis = 0; axis < 3; ++axis)
+      up[axis] = bits_of<float>(reader.get<std::uint32_t>("a body-up attitude"));
     constexpr float kTolerance = 1e-3F;
-    if (!(std::abs(up.norm() - 1) < kTolerance)) reader.fail(at, "a stand is no direction");
+    if (!(std::abs(up.norm() - 1) < kTolerance)) reader.fail(at, "a body-up attitude is not a unit vector");
   }
   return body_ups;
 }
@@ -165,11 +168,12 @@ ArchivedKeyframe read_keyframe(MapReader& reader, std::uint32_t version) {
   keyframe.map_from_body = read_pose(reader, "the pose of a keyframe");
   std::size_t at = reader.at();
   keyframe.reach = bits_of<float>(reader.get<std::uint32_t>("a reach"));
-  if (!(std::isfinite(keyframe.reach) && keyframe.reach >= 0)) reader.fail(at, "the reach is no length");
+  if (!(std::isfinite(keyframe.reach) && keyframe.reach >= 0))
+    reader.fail(at, "the reach of a keyframe is not a length");
   at = reader.at();
   const int exponent = bits_of<std::int32_t>(reader.get<std::uint32_t>("a step"));
   if (exponent < kFinestStep || exponent > kCoarsestStep)
-    reader.fail(at, "a step of 2^" + std::to_string(exponent) + " m is none of ours");
+    reader.fail(at, "a step of 2^" + std::to_string(exponent) + " m is out of range");
   const std::uint64_t count = reader.get<std::uint32_t>("the number of points");
   keyframe.points = reader.points(count, exponent);
   if (version >= 2) keyframe.body_ups = read_stands(reader);
@@ -206,7 +210,7 @@ Constraint read_constraint(MapReader& reader, std::uint64_t keyframes) {
     }
   }
   if (!is_information(constraint.information))
-    reader.fail(at, "the information of a constraint is no inverse of a covariance");
+    reader.fail(at, "the information matrix of a constraint is not positive semidefinite");
   return constraint;
 }
 
@@ -226,7 +230,7 @@ SavedMap read_body(MapReader& reader, std::uint32_t version) {
     for (std::uint64_t i = 0; i < constraints; ++i) map.constraints.push_back(read_constraint(reader, count));
   }
   if (reader.left() > 0)
-    reader.fail(reader.at(), std::to_string(reader.left()) + " bytes more than the map takes");
+    reader.fail(reader.at(), std::to_string(reader.left()) + " bytes follow the end of the map");
   return map;
 }
 

@@ -20,7 +20,8 @@ Matches read_matches(const std::string& path, std::size_t most) {
       lines.fail("a match has 6 numbers (px py pz qx qy qz), this line has " +
                  std::to_string(numbers.size()));
     if (matches.size() == most)
-      lines.fail("more than " + std::to_string(most) + " matches; thin them, the best by descriptor first");
+      lines.fail("more than " + std::to_string(most) +
+                 " matches; keep those with the most similar descriptors");
     matches.push_back({{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}});
   }
   if (matches.empty())

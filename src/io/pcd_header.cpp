@@ -13,7 +13,7 @@ constexpr std::size_t kMaxPointSize = 1u << 20;  // bytes; keeps sums of sizes f
 
 std::size_t parse_count(const TextLines& lines, const Words& words, std::size_t index) {
   const auto value = index < words.size() ? parse_unsigned(words[index]) : std::nullopt;
-  if (!value) lines.fail(std::string(words[0]) + " needs a whole number at place " + std::to_string(index));
+  if (!value) lines.fail(std::string(words[0]) + " needs a whole number as value " + std::to_string(index));
   return *value;
 }
 

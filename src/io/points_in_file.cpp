@@ -14,7 +14,7 @@ namespace scanlock {
 namespace {
 
 constexpr const char* kToDo =
-    "; the map that was loaded from it has lost points: load a map again, and replace map files with mv";
+    "; points of the loaded map cannot be read: load a map again, and replace map files only with mv";
 
 }  // namespace
 

@@ -163,10 +163,10 @@ ScanConversion log_to_cloud(const std::string& log_path, const std::string& chan
   ScanConversion result = read_scans(log_path, channel, progress, [&](const Scan& scan) {
     if (!number && seen > 0) {
       const std::string extension = std::filesystem::path(cloud_path).extension().string();
-      throw std::runtime_error(on_channel + " holds more than one scan: --scan N takes one of them into " +
-                               cloud_path +
-                               " (the first is 0), a folder named as OUT takes all, with --format " +
-                               extension.substr(1) + "; scanlock-odometry LOG --map OUT.ply makes one cloud");
+      throw std::runtime_error(
+          on_channel + " holds more than one scan: --scan N writes one of them to " + cloud_path +
+          " (the first is 0), a folder named as OUT takes all, with --format " + extension.substr(1) +
+          "; scanlock-odometry LOG --map OUT.ply makes one cloud of all");
     }
     if (seen == number.value_or(0)) chosen = scan.points;
     ++seen;

@@ -80,14 +80,16 @@ std::vector<std::string> doubts_about(const SolidCloud& solid, const Floors& flo
   std::vector<std::string> doubts;
   const Eigen::Array3f areas = shadows(solid);
   if (areas.head<2>().maxCoeff() > kTall * areas.z())
-    doubts.push_back("from a side it covers " + square_metres(areas.head<2>().maxCoeff()) + ", from above " +
-                     square_metres(areas.z()) + ": is up another axis (map.up, --up)?");
+    doubts.push_back("seen from a side it covers " + square_metres(areas.head<2>().maxCoeff()) +
+                     ", from above only " + square_metres(areas.z()) +
+                     ": is another axis up (map.up, --up)?");
   const auto below = static_cast<double>(floors.rough_below), above = static_cast<double>(floors.rough_above);
   if (floors.open && below - above > kClearly * std::sqrt(below + above))
     doubts.emplace_back("its upper side is smoother than its lower one: is it upside down (map.up, --up)?");
   if (floors.hanging > floors.standing + kMuch)
-    doubts.push_back("more hangs from its ceilings (" + square_metres(area_of(floors.hanging, kFloorCell)) +
-                     ") than stands on its floors (" + square_metres(area_of(floors.standing, kFloorCell)) +
+    doubts.push_back("more surface hangs from its ceilings (" +
+                     square_metres(area_of(floors.hanging, kFloorCell)) + ") than stands on its floors (" +
+                     square_metres(area_of(floors.standing, kFloorCell)) +
                      "): is it upside down (map.up, --up)?");
   return doubts;
 }
@@ -202,9 +204,10 @@ SavedMap CloudMapBuilder::build(const std::string& name,
                              "scanlock-convert " +
                              name + " SITE.map --offset " + thousands(*first_finite_));
   if (solid_.not_finite() + solid_.too_far() > 0)
-    warnings_.push_back("of its " + std::to_string(points_) + " points are left out: " +
-                        std::to_string(solid_.not_finite()) + " that are not finite, " +
-                        std::to_string(solid_.too_far()) + " that are farther than 100 km from its origin");
+    warnings_.push_back("of its " + std::to_string(points_) + " points, " +
+                        std::to_string(solid_.not_finite()) + " that are not finite and " +
+                        std::to_string(solid_.too_far()) +
+                        " that are farther than 100 km from its origin are left out");
   solid_.close();
   const Floors floors = find_floors(solid_);
   for (std::string& doubt : doubts_about(solid_, floors)) warnings_.push_back(std::move(doubt));
@@ -245,8 +248,8 @@ SavedMap CloudMapBuilder::build(const std::string& name,
   map.keyframes = archive.keyframes();
   if (map.keyframes.empty())
     throw std::runtime_error(
-        name + ": no floor in it that a robot could stand on and see " + std::to_string(kLeastSeen) +
-        " points of what stands there; is its unit another than metres, or up another axis (map.up, --up)?");
+        name + ": no floor on which a robot would see " + std::to_string(kLeastSeen) +
+        " points of upright surfaces; is its unit not metres, or is another axis up (map.up, --up)?");
   map.last_pose = map.keyframes.front().map_from_body;
   map.up = options_.up.normalized();
   for (const ArchivedKeyframe& k : map.keyframes)

@@ -81,7 +81,8 @@ std::optional<FoundClosure> find_closure(const ClosureRequest& request, const Po
   const double gap = moved.dot(inverse(with_floor(covariance)) * moved);
   char text[160];
   std::snprintf(text, sizeof text,
-                "inlier ratio %.2f of %.2f, moved by %.3f m and %.2f deg, squared gap %.1f",
+                "inlier ratio %.2f (%.2f in the recent map), corrected by %.3f m and %.2f deg, squared "
+                "Mahalanobis distance %.1f",
                 there.health.inlier_ratio, here.health.inlier_ratio, moved.head<3>().norm(),
                 moved.tail<3>().norm() / kDegree, gap);
   *reason = text;

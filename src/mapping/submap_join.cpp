@@ -51,7 +51,7 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
   const Constraint& found = closed->constraint;
   // In a tunnel every pose along it fits, and agrees with every other.
   if (unknown_axes(inverse(found.information), kOnTheGround, kSamePlace, kSameHeading) != 0) {
-    answer.closure.reason.insert(0, "leaves a motion open: ");
+    answer.closure.reason.insert(0, "does not constrain the pose: ");
     return answer;
   }
   answer.closure.closure = found;

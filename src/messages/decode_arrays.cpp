@@ -184,7 +184,7 @@ void decode_scan_sector(ByteReader& reader, const DecodeLimits& limits, DecodedS
   if (reader.ok() && (!(plausible(scale) && scale > 0) || !plausible(time_origin) ||
                       !plausible(time_scale * 32768.0f) || !std::isfinite(intensity_scale)))
     reader.fail(DecodeFault::kBadField,
-                "`coordinate_scale`, `time_origin`, `time_scale` or `intensity_scale` makes no sense");
+                "`coordinate_scale`, `time_origin`, `time_scale` or `intensity_scale` is out of range");
   if (!reader.ok()) return;
 
   PointCloud& points = decoded.scan.points;

@@ -23,7 +23,7 @@ Decoded<Value> decode_as(std::uint64_t type, const std::uint8_t* data, std::size
     const bool too_short = data == nullptr || size < 8;
     decoded.fault = too_short ? DecodeFault::kTruncated : DecodeFault::kUnknownType;
     const char* name = type_name(found);
-    decoded.error = sentence(type_name(type), too_short         ? "the message has no eight bytes"
+    decoded.error = sentence(type_name(type), too_short         ? "the message has fewer than eight bytes"
                                               : name != nullptr ? std::string("the message is a ") + name
                                                                 : "the message is of an unknown type");
     return decoded;
@@ -73,7 +73,7 @@ Enum read_enum(ByteReader& reader, const char* member, Enum last, Enum first = E
   if (number >= static_cast<std::int8_t>(first) && number <= static_cast<std::int8_t>(last))
     return static_cast<Enum>(number);
   reader.fail(DecodeFault::kBadField,
-              std::string("`") + member + "` is " + std::to_string(number) + ", which has no meaning");
+              std::string("`") + member + "` is " + std::to_string(number) + ", which is not defined");
   return first;
 }
 

@@ -146,7 +146,7 @@ std::string interpret_times(std::string_view name, TimeKind kind, std::int64_t u
   if (reading == nullptr)
     return quoted + " is ignored: its values, " + std::to_string(smallest) + " to " +
            std::to_string(largest) +
-           ", are neither relative to the stamp nor near it (say the unit in the name: _s, _us, _ns)";
+           ", are neither relative to the stamp nor near it (append the unit to the name: _s, _us, _ns)";
   seconds.resize(raw.size());
   for (std::size_t i = 0; i < raw.size(); ++i)
     seconds[i] = static_cast<float>((raw[i] - reading->origin) * reading->scale);

@@ -48,7 +48,7 @@ std::vector<DecodedScan> SectorAssembler::add(DecodedScan decoded) {
   if (!current) {
     const bool named = key != Key(0, 0);  // without stamp and count, a sector always begins a new scan
     if (named && std::find(begun_.begin(), begun_.end(), key) != begun_.end()) {
-      discard("its scan had gone out already");
+      discard("its scan was passed on already");
       return finished;
     }
     if (std::optional<DecodedScan> incomplete = flush()) finished.push_back(std::move(*incomplete));
@@ -85,8 +85,8 @@ bool SectorAssembler::insert(DecodedScan& sector) {
   if (slices.point_count + sector.scan.points.size() > max_points_)
     return discard("its scan has too many points");
   if (!slices.points.empty() && sector.sector_count != slices.head.sector_count)
-    return discard("it disagrees with the others on how many there are");
-  if (slices.points.count(sector.sector_index) > 0) return discard("it came twice");
+    return discard("its `sector_count` differs from that of the other sectors");
+  if (slices.points.count(sector.sector_index) > 0) return discard("it is a duplicate");
   slices.point_count += sector.scan.points.size();
   slices.points.emplace(sector.sector_index, std::exchange(sector.scan.points, {}));
   if (slices.points.size() == 1) {

@@ -80,7 +80,7 @@ std::optional<std::string> ConsistencyCheck::learn_motion(const PriorSample& sam
   if (motion_.trusted) return "the odometry prior agrees with the scans again and is used";
   return "the odometry prior contradicts the scans, by " +
          printed("%.2f m and %.1f deg from the last scan to this one", way, turn / kDegree) +
-         ", and is ignored until it agrees; do its axes, its frame and its units fit the body?";
+         ", and is ignored until it agrees; check its axes, its frame and its units";
 }
 
 std::optional<std::string> ConsistencyCheck::learn_level(const PriorSample& sample,
@@ -97,9 +97,9 @@ std::optional<std::string> ConsistencyCheck::learn_level(const PriorSample& samp
   if (!level_.count(!(tilt <= kMostTilt))) return std::nullopt;
   if (level_.trusted) return "the attitude prior agrees with the scans again and is used";
   return "the attitude prior contradicts the scans: " +
-         printed("up is %.1f deg off where it was (%.0f deg are allowed)", tilt / kDegree,
+         printed("its vertical is %.1f deg from the mean so far (limit %.0f deg)", tilt / kDegree,
                  kMostTilt / kDegree) +
-         "; it is ignored until it agrees; do its axes fit the body?";
+         "; it is ignored until it agrees; check its axes";
 }
 
 }  // namespace scanlock

@@ -259,8 +259,8 @@ bool HypothesisTest::is_spent() const {
 }
 
 const char* HypothesisTest::why_undecided() const {
-  return hypotheses_.size() > 1 ? "the scans that followed fit several places alike"
-                                : "the scans that followed leave a motion open";
+  return hypotheses_.size() > 1 ? "the scans after the search fit several hypotheses equally well"
+                                : "the scans after the search do not constrain the pose";
 }
 
 std::vector<Pose> HypothesisTest::hypotheses() const {

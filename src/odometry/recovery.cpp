@@ -193,7 +193,8 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   answer.upper_bound = found.solution.upper_bound;
   answer.runner_up_consensus = found.solution.runner_up_consensus;
   answer.reason = found.why;
-  if (!answer.certified && answer.consensus >= kFewestMatches) answer.reason += ", not proven to be the most";
+  if (!answer.certified && answer.consensus >= kFewestMatches)
+    answer.reason += ", not proven to be the largest consensus";
   answer.nodes = static_cast<std::int64_t>(found.solution.nodes);
   answer.cost_s = cost_s + kSecondsAMatch * static_cast<double>(found.solution.work);
   answer.search_ms = found.solution.pruning_ms + found.solution.search_ms;

@@ -33,7 +33,7 @@ double distance_to(const Keyframes& keyframes, const Eigen::Vector3d& place) {
 
 std::string insufficient(double log_odds, const char* by) {
   char text[120];
-  std::snprintf(text, sizeof text, "log odds of %.1f by %s, where %.1f are asked for: ", log_odds, by,
+  std::snprintf(text, sizeof text, "log odds of %.1f by %s, below the required %.1f: ", log_odds, by,
                 kBelieved);
   return text;
 }
@@ -89,7 +89,7 @@ void Relocalisation::coast(double dt, Odometer& odometer) {
 void Relocalisation::depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan,
                                       const Odometer& odometer) {
   if (lost_odometry_ && lost_odometry_->follow(utime, dt, scan)) return;
-  if (lost_odometry_ && running_test_) refuse("the scans that followed do not fit each other: ");
+  if (lost_odometry_ && running_test_) refuse("the scans after the search do not fit each other: ");
   search_.begin_anew();
   search_results_.clear();
   undecided_.clear();
@@ -142,7 +142,7 @@ Relocalisation::Outcome Relocalisation::confirm(const PreparedScan& scan, Odomet
                                                 Attempt* attempt) {
   const HypothesisTest::Outcome outcome = running_test_->test.judge(odometer, scan, *lost_odometry_);
   *attempt = running_test_->test.attempt();
-  if (outcome == HypothesisTest::Outcome::kRefuted) refuse("the scans that followed do not fit: ");
+  if (outcome == HypothesisTest::Outcome::kRefuted) refuse("the scans after the search fit no hypothesis: ");
   if (outcome == HypothesisTest::Outcome::kUndecided) {
     if (running_test_->answer) {
       if (log_odds_of(*running_test_) >= kBelieved) state_ = TrackingState::kAmbiguous;
@@ -156,7 +156,7 @@ Relocalisation::Outcome Relocalisation::confirm(const PreparedScan& scan, Odomet
     const double log_odds = log_odds_of(*running_test_);
     if (log_odds < kBelieved) {  // the next search may add evidence
       if (running_test_->test.is_spent())
-        refuse(insufficient(log_odds, "all searches and the scans that followed"));
+        refuse(insufficient(log_odds, "all searches and the scans after them"));
       return Outcome::kLost;
     }
     ended_ = recovery_of(*running_test_->answer);
@@ -244,7 +244,7 @@ void Relocalisation::give(RecoveryAnswer answer, const KeyframeArchive& archive,
   if (log_odds + kMostOfScans < kBelieved) {
     ended_ = recovery_of(answer);
     ended_->reason.insert(0, planar ? "more searches have to agree: "
-                             : gone ? "what is mapped there is gone: "
+                             : gone ? "surfaces of the map are missing there: "
                                     : insufficient(log_odds, "all searches"));
     return;
   }
@@ -254,11 +254,11 @@ void Relocalisation::give(RecoveryAnswer answer, const KeyframeArchive& archive,
           return agree(place, answer.map_from_predicted, kAgreeMetres, kAgreeRadians);
         })) {
       ended_ = recovery_of(answer);
-      ended_->reason.insert(0, "a place that is being tried: ");
+      ended_->reason.insert(0, "this hypothesis is being tested already: ");
       return;
     }
     undecided_ = tried;  // to be tested beside the new one
-    refuse("a later search finds another place: ");
+    refuse("a later search finds another hypothesis: ");
   }
   std::vector<Pose> places = runners_up_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);

@@ -108,7 +108,7 @@ std::string why_too_few(const PointCloud& points, const CroppedScan& cropped, do
   std::snprintf(
       text, sizeof text,
       "%zu of its %zu points are from %g to %g m away (tracker.%smin_range_m, max_range_m), too few to "
-      "align; their median range is %.3g m%s",
+      "align; the median range of all points is %.3g m%s",
       cropped.indices.size(), points.size(), min_range, max_range, is_planar(points) ? "planar_" : "",
       static_cast<double>(*middle), *middle > kMostLidars ? ": are they millimetres?" : "");
   return text;

@@ -66,7 +66,7 @@ TEST_CASE("scans are counted as scans and sectors as sectors") {
   CHECK(bench.counters().sectors == static_cast<std::int64_t>(sectors.size()));
   CHECK(bench.take("LIDAR", sectors[1]).empty());
   CHECK(bench.counters().sectors_discarded == 1);
-  CHECK(bench.counters().last_error.find("its scan had gone out already") != std::string::npos);
+  CHECK(bench.counters().last_error.find("its scan was passed on already") != std::string::npos);
 }
 
 TEST_CASE("scans without times of points are counted and warned of once a channel") {

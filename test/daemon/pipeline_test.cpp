@@ -318,11 +318,10 @@ TEST_CASE("a map file that is written over in place is told of") {
   for (int i = 100; i < 103; ++i) bench.scan(i);
   const Counters counters = bench.counters();
   CHECK(counters.map_faults > 0);
-  CHECK(
-      counters.last_error ==
-      file + ": cannot read all of its " + std::to_string(map.good.size()) +
-          " bytes; the map that was loaded from it has lost points: load a map again, and replace map files "
-          "with mv");
+  CHECK(counters.last_error ==
+        file + ": cannot read all of its " + std::to_string(map.good.size()) +
+            " bytes; points of the loaded map cannot be read: load a map again, and replace map files only "
+            "with mv");
   CHECK(file_bytes(file) == map.damaged);
 }
 

@@ -132,7 +132,7 @@ TEST_CASE("two publishers on one channel are found out by their clocks and by th
     places.insert(places.begin() + 2 * i + 1, between(utime_of(i) + kSecond / 20));
   }
   CHECK(contains(replay(clocks).result.errors,
-                 "two publishers send scans here: their stamps are of two clocks"));
+                 "two publishers send scans here: their stamps alternate between two clocks"));
   CHECK(contains(replay(places).result.errors, "two publishers send scans here: every other scan"));
   CHECK_FALSE(contains(replay(short_drive()).result.errors, "two publishers"));
 }

@@ -255,7 +255,7 @@ TEST_CASE("what is no map to start in is an error with its name and a reason") {
   write_cloud(folder / "empty.ply", {});
   write_file(folder / "cut.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 9\n");
   for (const auto& [name, reason] :
-       {std::pair("wall.ply", "no floor in it"), std::pair("empty.ply", "holds no points"),
+       {std::pair("wall.ply", "no floor on which"), std::pair("empty.ply", "holds no points"),
         std::pair("cut.ply", "cut.ply"), std::pair("none.ply", "no such file")}) {
     const std::string file = name;  // clang++ 14 cannot capture a structured binding
     CAPTURE(file);

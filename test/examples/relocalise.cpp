@@ -31,7 +31,7 @@ int main(int argc, char** argv) try {
     std::printf("%.6f %.3f %.3f %.3f\n", 1e-6 * static_cast<double>(tracked.utime), p.x(), p.y(), p.z());
     return 0;
   }
-  std::cerr << "relocalise: no pose in the map is believed\n";
+  std::cerr << "relocalise: no scan was relocalised in the map\n";
   return 1;
 } catch (const std::exception& error) {
   std::cerr << "relocalise: " << error.what() << "\n";

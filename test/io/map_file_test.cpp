@@ -129,7 +129,7 @@ TEST_CASE("points of a file that was changed in place are an error and never oth
   const Bytes bytes = file_bytes(path), other = file_bytes(target);
   const SavedMap read = read_map(path);
   const std::string to_do =
-      "; the map that was loaded from it has lost points: load a map again, and replace map files with mv";
+      "; points of the loaded map cannot be read: load a map again, and replace map files only with mv";
   Bytes changed = bytes;
   changed[bytes.size() - 4 - 2 * 276 - 4 - 2 * 12 - 4 - 1] ^= 1;  // the last coordinate of the last keyframe
   write_file(path, changed);
@@ -327,10 +327,10 @@ TEST_CASE("what is wrong is named with its byte") {
   const std::size_t end = good.size() - 4 - (4 + 276);  // of the keyframes; then one constraint
   Bytes fallen = good;
   fallen[end - 1] = 0x40;  // the last coordinate of the last body-up direction: 4 instead of 1
-  CHECK(contains(error_of(sealed(fallen)), "a stand is no direction"));
+  CHECK(contains(error_of(sealed(fallen)), "a body-up attitude is not a unit vector"));
   Bytes crowded = good;
   crowded[end - 24 - 4] = 33;
-  CHECK(contains(error_of(sealed(crowded)), "33 stands are none of ours"));
+  CHECK(contains(error_of(sealed(crowded)), "33 body-up attitudes"));
   Bytes unknown = good;
   unknown[end + 4] = 7;
   CHECK(contains(error_of(sealed(unknown)), "a constraint between keyframes 7 and 2 of 2"));
@@ -342,13 +342,13 @@ TEST_CASE("what is wrong is named with its byte") {
   CHECK(contains(error_of(sealed(kind)), "2 is no kind of constraint"));
   Bytes negative = good;
   negative[good.size() - 4 - 1] ^= 0x80;
-  CHECK(contains(error_of(sealed(negative)), "is no inverse of a covariance"));
+  CHECK(contains(error_of(sealed(negative)), "is not positive semidefinite"));
   Bytes bent = good;
   bent[20 + 4 + 7] = 0x7F;  // the first element of the last pose
   CHECK(contains(error_of(sealed(bent)), "byte 24: the last pose is no rigid pose"));
   Bytes fell = good;
   fell[20 + 4 + 96 + 23] = 0x40;  // of the upward direction: 2
-  CHECK(contains(error_of(sealed(fell)), "byte 120: the upward direction is none"));
+  CHECK(contains(error_of(sealed(fell)), "byte 120: the upward direction is not a unit vector"));
 }
 
 TEST_CASE("no truncation and no flipped bit is taken for a map and none crashes") {
@@ -398,7 +398,7 @@ TEST_CASE("a file that is no map is not overwritten a link is followed a missing
   write_file(folder / "notes.txt", std::string("precious"));
   CHECK_THROWS_WITH(
       write_map(folder / "notes.txt", some_map(1, 1)),
-      ((folder / "notes.txt") + ": is there and is not a scanlock map; it is not overwritten").c_str());
+      ((folder / "notes.txt") + ": exists and is not a scanlock map; it is not overwritten").c_str());
   CHECK(file_bytes(folder / "notes.txt").size() == 8);
   write_map(folder / "real.map", some_map(1, 1));
   std::filesystem::create_symlink(folder / "real.map", folder / "link.map");

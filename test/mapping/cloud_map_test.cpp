@@ -227,7 +227,7 @@ TEST_CASE("rooms whose y axis is up are doubted where z is taken for up, and not
   by_z.add(cloud);
   by_z.build("rooms");
   REQUIRE_FALSE(by_z.warnings().empty());
-  CHECK(by_z.warnings().back().find("from a side it covers") == 0);
+  CHECK(by_z.warnings().back().find("seen from a side it covers") == 0);
   by_y.add(cloud);
   by_y.build("rooms");
   CHECK(by_y.warnings().empty());
@@ -260,8 +260,8 @@ TEST_CASE("up may be any axis, and where nobody could stand the error says so") 
   REQUIRE_FALSE(builder.warnings().empty());
   CHECK(builder.warnings().front() ==
         "of its " + std::to_string(broken.size()) +
-            " points are left out: 2 that are not finite, 1 that are farther than 100 km from "
-            "its origin");
+            " points, 2 that are not finite and 1 that are farther than 100 km from its origin are left "
+            "out");
   CloudMapBuilder whole({});
   whole.add(two_rooms(0.1F));
   whole.build("rooms");
@@ -273,8 +273,8 @@ TEST_CASE("up may be any axis, and where nobody could stand the error says so") 
   PointCloud millimetres = two_rooms(0.05F);
   for (auto* axis : {&millimetres.x, &millimetres.y, &millimetres.z})
     for (float& v : *axis) v *= 1000;
-  CHECK_THROWS_WITH_AS(map_of_cloud(millimetres, "mm.ply", {}),
-                       doctest::Contains("is its unit another than metres"), std::runtime_error);
+  CHECK_THROWS_WITH_AS(map_of_cloud(millimetres, "mm.ply", {}), doctest::Contains("is its unit not metres"),
+                       std::runtime_error);
   PointCloud far;
   far.push_back(std::nanf(""), 0, 0);
   far.push_back(500123.4F, -5412345.6F, 312);

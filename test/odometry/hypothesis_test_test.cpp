@@ -65,7 +65,7 @@ TEST_CASE("that the map knows little of a place does not speak against one that 
   CHECK(between_twins(false).outcome == HypothesisTest::Outcome::kWon);
   const Ending open = between_twins(true);
   CHECK(open.outcome == HypothesisTest::Outcome::kUndecided);
-  CHECK(open.why_undecided == "the scans that followed fit several places alike");
+  CHECK(open.why_undecided == "the scans after the search fit several hypotheses equally well");
 }
 
 TEST_CASE(
@@ -98,7 +98,7 @@ TEST_CASE("places that look alike are told apart by what only one of them explai
   };
   const Ending alike = against(map.points);
   CHECK(alike.outcome == HypothesisTest::Outcome::kUndecided);
-  CHECK(alike.why_undecided == "the scans that followed fit several places alike");
+  CHECK(alike.why_undecided == "the scans after the search fit several hypotheses equally well");
   PointCloud one = map.points, many = map.points;
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     const Eigen::Vector3f p = map.points.point(i);
