@@ -255,7 +255,7 @@ int run(const Options& options) {
   if (!options.start_map_path.empty()) {
     s["found_after_s"] = result.found_after_s ? Json(*result.found_after_s) : Json();
     if (!result.found_after_s)
-      std::cerr << "scanlock-odometry: the place was not found in " << options.start_map_path
+      std::cerr << "scanlock-odometry: the robot's pose was not found in " << options.start_map_path
                 << ": the poses are in a frame of the log's own\n";
   }
   if (options.json)
@@ -280,16 +280,15 @@ void declare(CommandLine line, Options& options) {
   line.option("--kitti", options.kitti_path, "write the trajectory (KITTI), likewise");
   line.option("--output", options.output_path,
               "write poses and odometry messages (LCM log), as they were at the time");
-  line.option(
-      "--start-map", options.start_map_path,
-      "map to find the place in (.map, .ply, .pcd), as scanlockd --map; it is not written. Until it is "
-      "found, if ever, poses are in a frame of the log's own (JSON: found_after_s, or null)");
+  line.option("--start-map", options.start_map_path,
+              "map to relocalise in (.map, .ply, .pcd), as scanlockd --map; it is not written. Until it is "
+              "found, if ever, poses are in a frame of the log's own (JSON: found_after_s, or null)");
   line.option("--map", options.map_path,
               "write the map at the end: a map file (.map), or the surroundings of the robot as a cloud "
               "(.ply, .pcd)");
   line.option(
       "--picture", options.picture_path,
-      "draw the map from above, the way in it, and where it was found, when, and by what evidence (.svg)");
+      "draw the map from above, the path in it, and place, time and evidence of the relocalisation (.svg)");
   line.flag("--force", options.force, "overwrite outputs that are there already");
   line.flag("--json", options.json, "print one JSON object on standard output");
 }

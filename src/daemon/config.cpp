@@ -72,7 +72,7 @@ void check_value(const ConfigKey& key, const std::vector<std::string>& values, c
   }
   for (const auto& value : values) {  // every list is a list of channels
     if (value.empty() || value.size() > 63)
-      fail(where, full_name(key), "\"" + value + "\" is no channel: 1 to 63 characters");
+      fail(where, full_name(key), "\"" + value + "\" is not a channel name: it needs 1 to 63 characters");
     if (std::count(values.begin(), values.end(), value) > 1)
       fail(where, full_name(key), "\"" + value + "\" is there twice");
   }

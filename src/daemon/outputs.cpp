@@ -91,7 +91,7 @@ void Outputs::publish_recovery(const Recovery& recovery, std::int64_t utime) {
     statistics_.say(LogLevel::kInfo, "loop closure at utime " + std::to_string(utime));
   } else {
     statistics_.count(recovery.accepted ? &Counters::recoveries : &Counters::recovery_failures);
-    statistics_.say(LogLevel::kInfo, std::string("search for the place at utime ") + std::to_string(utime) +
+    statistics_.say(LogLevel::kInfo, std::string("relocalisation search at utime ") + std::to_string(utime) +
                                          (recovery.accepted ? ", accepted: " : ", not accepted: ") +
                                          recovery.reason);
   }
