@@ -21,11 +21,12 @@ struct Health {
   double overlap = 0;   ///< share of the source points that met a surface
   double baseline = 0;  ///< running median of the energy, over the history
   bool short_history = true;  ///< history length below five: the map is thin
-  double score = 0;  ///< z-score: energy less baseline, in robust standard deviations of the history, or in
-                     ///< units of `chance` (see assess) where that is larger
+  /// Energy less baseline, in robust standard deviations of the history, or in units of `chance` (see assess)
+  /// where that is larger.
+  double score = 0;
   int inliers = 0;                 ///< number of source points with is_inlier()
-  double inlier_ratio = 0;         ///< inlier ratio: inliers over source points
-  double median_inlier_ratio = 0;  ///< running median of the inlier ratio; 0 without a history
+  double inlier_ratio = 0;         ///< inliers over source points
+  double median_inlier_ratio = 0;  ///< running median; 0 without a history
 };
 
 /// Standard deviation, by chance, of the energy of a whole scan of a planar sensor with this many points.

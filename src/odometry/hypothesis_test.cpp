@@ -43,12 +43,6 @@ constexpr double kLeastOfFit = 2.5, kPatchesAFold = 15;
 constexpr int kFarLooks = 2;
 constexpr int kMostScans = 8;  // scans that fit the best hypothesis, within which the test has to decide
 
-/// Whether two corrections map the predicted pose of the body to about the same pose. (The distance of their
-/// own translations is no measure: it grows with the distance from the map's origin.)
-bool same_place(const Pose& a, const Pose& b, const Pose& predicted, double metres, double radians) {
-  return near(a * predicted, b * predicted, metres, radians);
-}
-
 /// Whether the scan leaves the pose unobservable along a horizontal axis or in yaw, as along a tunnel. A
 /// prior of the size of one place bounds all directions, so that an unobservable height does not make the
 /// horizontal axes uncertain.
@@ -92,8 +86,7 @@ void HypothesisTest::note_uncontradicted(const Pose& map_from_predicted,
                                          const LostModeOdometry& lost_odometry) {
   const Pose& predicted = lost_odometry.state().pose;
   for (auto runner_up = hypotheses_.begin() + 1; runner_up != hypotheses_.end(); ++runner_up) {
-    if (!same_place(runner_up->map_from_predicted, map_from_predicted, predicted, kSamePlace, kSameHeading))
-      continue;
+    if (!same_place(runner_up->map_from_predicted, map_from_predicted, predicted)) continue;
     runner_up->least_share = kKnownShare;
   }
 }
@@ -246,8 +239,7 @@ HypothesisTest::Outcome HypothesisTest::judge(Odometer& odometer, const Prepared
   const bool clear =
       std::none_of(hypotheses_.begin() + 1, hypotheses_.end(), [](const Hypothesis& p) { return p.fits; });
   if (clear && !expected_ && is_open(leader.attempt)) return Outcome::kUndecided;
-  const bool same =
-      !led || same_place(led_by, leader.map_from_predicted, lost_odometry.state().pose, 1.0, 6.0 * kDegree);
+  const bool same = !led || same_place(led_by, leader.map_from_predicted, lost_odometry.state().pose, kAgree);
   wins_ = !clear ? 0 : same ? wins_ + 1 : 1;
   ++scans_;
   if (wins_ >= kWins) return Outcome::kWon;
@@ -280,8 +272,7 @@ void HypothesisTest::drop_losers(const Pose& predicted) {
     const bool missing = !left.empty() && !hypothesis.is_due() && hypothesis.missed > kMissesAllowed;
     const bool out = missing || std::any_of(left.begin(), left.end(), [&](const Hypothesis& other) {
                        return beats(other, hypothesis) ||
-                              same_place(other.map_from_predicted, hypothesis.map_from_predicted, predicted,
-                                         0.3, 3.0 * kDegree);
+                              same_place(other.map_from_predicted, hypothesis.map_from_predicted, predicted);
                      });
     if (out) continue;
     left.erase(std::remove_if(left.begin(), left.end(),

@@ -5,15 +5,6 @@
 #include <utility>
 
 namespace scanlock {
-namespace {
-
-constexpr double kBendGain = 0.4;                        // of the exponential mean, per scan
-constexpr double kBentMetres = 2.5, kBentRadians = 0.5;  // per second
-// Seconds between two scans: over longer intervals the velocity at the scans may differ from the one between.
-constexpr double kShort = 0.3;
-
-}  // namespace
-
 LostModeOdometry::LostModeOdometry(const TrackerConfig& config, std::int64_t utime, const PreparedScan& scan,
                                    const MovingPose& predicted)
     : config_(config),
@@ -36,16 +27,9 @@ bool LostModeOdometry::follow(std::int64_t utime, double dt, const PreparedScan&
     begin_anew(utime, scan, {prior.mean.pose, scans_ == 1 ? Vector6::Zero() : prior.mean.twist});
     return false;
   }
-  const MovingPose before = odometer_->state();
   blind_s_ = 0;
   odometer_->accept(attempt);
   followed_s_ += dt;
-  const MovingPose& now = odometer_->state();
-  const Vector6 way = se3_log(before.pose.inverse() * now.pose) / dt;
-  if (dt <= kShort && is_bent(0.5 * (before.twist + now.twist), way)) {
-    begin_anew(utime, scan, {now.pose, way});
-    return false;
-  }
   odometer_->keep(utime, scan, attempt.health.inlier_ratio);
   remember(utime, scan);
   attempt_ = std::move(attempt);
@@ -61,7 +45,6 @@ Surroundings LostModeOdometry::surroundings() const {
 void LostModeOdometry::begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted) {
   odometer_->start(utime, scan, predicted);
   seen_.clear();
-  bend_.setZero();
   up_sum_.setZero();
   blind_s_ = followed_s_ = 0;
   scans_ = 1;
@@ -74,14 +57,6 @@ void LostModeOdometry::remember(std::int64_t utime, const PreparedScan& scan) {
   std::optional<Constraint> constraint;
   if (!seen_.empty()) constraint = constraint_to(seen_.keyframes().back(), here, covariance);
   seen_.add(utime, here, scan.median_range, deskewed(scan.source, odometer_->state()), constraint);
-}
-
-/// True if the velocity is wrong: its mean difference from the motion between scans (`way`, per second) is
-/// too large. Scans that a wrong velocity distorts all alike still fit each other: no other test detects it.
-bool LostModeOdometry::is_bent(const Vector6& velocity, const Vector6& way) {
-  if (scans_ == 1) return false;  // the velocity at the first scan is a guess
-  bend_ += kBendGain * (velocity - way - bend_);
-  return bend_.head<3>().norm() > kBentMetres || bend_.tail<3>().norm() > kBentRadians;
 }
 
 void LostModeOdometry::coast(double dt) {

@@ -21,7 +21,7 @@ class LostModeOdometry {
                    const MovingPose& predicted);
 
   /// Follows one scan, `dt` seconds after the last one. False for a scan that does not fit: the odometry
-  /// begins anew with it, at its predicted pose, or at its aligned one where only the velocity was wrong.
+  /// begins anew with it, at its predicted pose.
   bool follow(std::int64_t utime, double dt, const PreparedScan& scan);
   /// Predicts the state at a scan without points, `dt` seconds after the last one.
   void coast(double dt);
@@ -52,15 +52,12 @@ class LostModeOdometry {
 
  private:
   void begin_anew(std::int64_t utime, const PreparedScan& scan, const MovingPose& predicted);
-  bool is_bent(const Vector6& velocity, const Vector6& way);
-
   void remember(std::int64_t utime, const PreparedScan& scan);
 
   TrackerConfig config_;
   std::unique_ptr<Odometer> odometer_;
   KeyframeArchive seen_;
   int scans_ = 1;
-  Vector6 bend_ = Vector6::Zero();  ///< mean difference of the velocity from the motion between scans
   Eigen::Vector3d up_sum_ = Eigen::Vector3d::Zero();
   double followed_s_ = 0;
   Attempt attempt_;

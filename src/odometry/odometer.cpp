@@ -35,7 +35,6 @@ constexpr int kMostIterations = 36;
 constexpr double kTurns[] = {-0.2, 0.2, -0.4, 0.4, -0.6, 0.6, -0.8, 0.8};
 
 constexpr double kLeastShare = 0.3;
-constexpr double kLeastOverlap = 0.25;
 constexpr double kMostEnergy = 0.55;  // whatever the history of energies is
 constexpr double kMostAtFirst = 0.7;  // the same for a map of few scans, which is thin
 constexpr double kLeastOfUsualShare = 0.8;
@@ -334,7 +333,7 @@ void Odometer::insert(std::int64_t utime, const PreparedScan& scan, const Moving
 bool explains(const Attempt& attempt, double most_score) {
   const Health& h = attempt.health;
   return attempt.alignment.moving.pose.matrix().allFinite() && h.score < most_score &&
-         h.energy < (h.short_history ? kMostAtFirst : kMostEnergy) && h.overlap > kLeastOverlap &&
+         h.energy < (h.short_history ? kMostAtFirst : kMostEnergy) &&
          h.inliers >= static_cast<int>(kLeastPoints);
 }
 

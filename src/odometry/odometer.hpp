@@ -188,7 +188,7 @@ class Odometer {
   double untold_ = 0;  ///< share of the map that was seen before any pose was measured
 };
 
-/// Whether an alignment explains its scan: enough inliers and overlap, an energy below a fixed bound, and a
+/// Whether an alignment explains its scan: enough inliers, an energy below a fixed bound, and a
 /// z-score of the energy below `most_score`.
 bool explains(const Attempt& attempt, double most_score);
 

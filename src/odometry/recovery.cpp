@@ -67,6 +67,10 @@ CloudDescription describe_source(const PointCloud& cloud, double voxel, bool fin
 
 }  // namespace
 
+bool same_place(const Pose& a, const Pose& b, const Pose& predicted, double times) {
+  return near(a * predicted, b * predicted, times * kSamePlace, times * kSameHeading);
+}
+
 double together(std::vector<double> log_odds) {
   std::sort(log_odds.begin(), log_odds.end(), std::greater<>());
   double sum = 0;

@@ -56,6 +56,11 @@ enum class PlaceVerdict : std::int8_t {
 
 /// Metres and radians: poses within both of each other are the same place.
 inline constexpr double kSamePlace = 0.5, kSameHeading = 3.0 * kDegree;
+/// Whether two corrections map a predicted pose to the same place, within `times` these bounds. (The distance
+/// of their own translations is no measure: it grows with the distance from the map's origin.)
+bool same_place(const Pose& a, const Pose& b, const Pose& predicted, double times = 1);
+/// `times`, of results of two searches that agree, and of a hypothesis from scan to scan.
+inline constexpr double kAgree = 2;
 /// The axes along which places differ, as bits (see Degeneracy): x, y and yaw.
 inline constexpr std::uint32_t kOnTheGround = 0b100011;
 

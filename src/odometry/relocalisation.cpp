@@ -15,11 +15,7 @@
 namespace scanlock {
 namespace {
 
-constexpr double kFarGate = 2.0;      // metres: a prediction that may be so far off needs the far reach
-constexpr double kAgreeMetres = 1.0;  // metres: results of two searches so near each other agree
-constexpr double kAgreeRadians = 6.0 * kDegree;
-// Of hypotheses within both of each other only one is tested.
-constexpr double kTakenPlace = 0.3, kTakenHeading = 3.0 * kDegree;
+constexpr double kFarGate = 2.0;  // metres: a prediction that may be so far off needs the far reach
 constexpr double kCovered = 0.3;  // of the scene's size: a map with a keyframe so near shows the place
 constexpr double kAsNear = 1.2;   // of the archive's least distance: a keyframe so near shows it as well
 
@@ -250,9 +246,8 @@ void Relocalisation::give(RecoveryAnswer answer, const KeyframeArchive& archive,
   }
   if (running_test_ && running_test_->answer) {
     const std::vector<Pose> tried = running_test_->test.hypotheses();
-    if (std::any_of(tried.begin(), tried.end(), [&](const Pose& place) {
-          return agree(place, answer.map_from_predicted, kAgreeMetres, kAgreeRadians);
-        })) {
+    if (std::any_of(tried.begin(), tried.end(),
+                    [&](const Pose& place) { return agree(place, answer.map_from_predicted, kAgree); })) {
       ended_ = recovery_of(answer);
       ended_->reason.insert(0, "this hypothesis is being tested already: ");
       return;
@@ -275,7 +270,7 @@ Relocalisation::Support Relocalisation::support_of(const Pose& map_from_predicte
   std::vector<double> log_odds;
   std::vector<const SearchResult*> counted;
   for (const SearchResult& find : search_results_) {
-    if (!agree(find.map_from_predicted, map_from_predicted, kAgreeMetres, kAgreeRadians)) continue;
+    if (!agree(find.map_from_predicted, map_from_predicted, kAgree)) continue;
     ++support.finds;
     const auto says_the_same = [&](const SearchResult* f) {
       return f->keyframes == find.keyframes && f->voxel == find.voxel;
@@ -327,7 +322,7 @@ std::vector<std::unique_ptr<Odometer>> Relocalisation::maps_of(const std::vector
 std::vector<Pose> Relocalisation::runners_up_of(const RecoveryAnswer& answer) const {
   std::vector<Pose> runners_up;
   const auto add = [&](const Pose& place) {
-    const auto is_place = [&](const Pose& other) { return agree(other, place, kTakenPlace, kTakenHeading); };
+    const auto is_place = [&](const Pose& other) { return agree(other, place, 1); };
     const bool taken =
         is_place(answer.map_from_predicted) || std::any_of(runners_up.begin(), runners_up.end(), is_place);
     if (!taken && runners_up.size() + 1 < kMostPlaces) runners_up.push_back(place);
@@ -341,9 +336,8 @@ std::vector<Pose> Relocalisation::runners_up_of(const RecoveryAnswer& answer) co
 }
 
 /// Whether two corrections put the robot at the same place.
-bool Relocalisation::agree(const Pose& a, const Pose& b, double metres, double radians) const {
-  const Pose& predicted = lost_odometry_->state().pose;
-  return near(a * predicted, b * predicted, metres, radians);
+bool Relocalisation::agree(const Pose& a, const Pose& b, double times) const {
+  return same_place(a, b, lost_odometry_->state().pose, times);
 }
 
 void Relocalisation::propose_here() {

@@ -113,7 +113,7 @@ class Relocalisation {
   /// Log odds before any search: kInOwnMap, or 0 in a map that was loaded, which need not show the place.
   double before() const { return last_trusted_ ? kInOwnMap : 0; }
   std::vector<Pose> runners_up_of(const RecoveryAnswer& answer) const;
-  bool agree(const Pose& a, const Pose& b, double metres, double radians) const;
+  bool agree(const Pose& a, const Pose& b, double times) const;
   Recovery recovery_of(const RecoveryAnswer& answer) const;
 
   TrackerConfig config_;
