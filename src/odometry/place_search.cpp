@@ -19,10 +19,7 @@ constexpr int kLooksAScan = 24;       // plus one for every 24 attempts: repeate
 constexpr double kSourceReach = 5.6;  // of the scene's size: radius of the source
 constexpr double kVoxel = 0.0675;     // of the scene's size
 constexpr double kStep = 1.35;        // ratio of a scale to the one before
-// Where more body-up attitudes than this were recorded, the body takes others, too. A search that allows for
-// them takes several times as long.
-constexpr std::size_t kManyBodyUps = 4;
-constexpr double kTilt = 0.01, kRoughTilt = 0.025;  // radians
+constexpr double kTilt = 0.01;        // radians: error of the recorded attitudes
 constexpr double kOffset = 20.0;  // metres: of the robot from the anchor, or from the centre of a narrow part
 
 /// A size, metres, rounded to a power of kStep, so that similar sizes give the same, and so many steps more.
@@ -109,7 +106,6 @@ void PlaceSearch::begin(const std::optional<Eigen::Vector3d>& anchor) {
   anchor_ = anchor;
   others_.clear();
   attempts_ = turn_ = 0;
-  careful_ = false;
   round_ = 2;
 }
 
@@ -153,8 +149,7 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   if (up && (turn_ / round_) % 2 == 0) request.source_up = seen.up;
   if (!request.source_up)
     request.body_ups = body_ups_around(target.places, target.centre, target.radius - target.source_radius);
-  rough_ = request.body_ups.size() > kManyBodyUps;
-  request.tilt = rough_ && careful_ ? kRoughTilt : kTilt;
+  request.tilt = kTilt;
   elsewhere_ = !at_anchor;
   out_ = true;
   void_ = false;
@@ -176,12 +171,9 @@ bool PlaceSearch::take(std::int64_t serial, bool found, bool little, double cost
   credit_s_ -= cost_s;
   out_ = false;
   if (void_) return false;
-  const bool again = rough_ && !careful_ && !found;  // with kRoughTilt
-  careful_ = careful_ || again;
-  if (!again) ++attempts_;
-  if (again || found)
-    scans_wanted_ = std::min(scans_wanted_, scans_asked_ + kSecondLook + attempts_ / kLooksAScan);
-  if (!again && (!found || (elsewhere_ && little))) ++turn_;
+  ++attempts_;
+  if (found) scans_wanted_ = std::min(scans_wanted_, scans_asked_ + kSecondLook + attempts_ / kLooksAScan);
+  if (!found || (elsewhere_ && little)) ++turn_;
   return true;
 }
 

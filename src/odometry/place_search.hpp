@@ -73,12 +73,10 @@ class PlaceSearch {
   bool out_ = false, void_ = false;  ///< a request is unanswered; its answer will be ignored
   int attempts_ = 0;                 ///< searches answered since the robot was lost
   bool elsewhere_ = false;           ///< the request is for a part away from the anchor
-  bool rough_ = false;  ///< the request is for ground on which the body may take attitudes not recorded there
-  bool careful_ = false;  ///< a search that does not allow for such attitudes has found nothing
-  int turn_ = 0;          ///< number of parts of the map that are done
-  int round_ = 2;         ///< turns in which each part is searched once
-  int scans_asked_ = 0;   ///< scans seen at the last request
-  int scans_wanted_ = 0;  ///< scans to be seen before the next request
+  int turn_ = 0;                     ///< number of parts of the map that are done
+  int round_ = 2;                    ///< turns in which each part is searched once
+  int scans_asked_ = 0;              ///< scans seen at the last request
+  int scans_wanted_ = 0;             ///< scans to be seen before the next request
 };
 
 }  // namespace scanlock

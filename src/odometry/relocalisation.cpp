@@ -112,16 +112,16 @@ void Relocalisation::relocalise_locally(std::int64_t utime, const PreparedScan& 
                                         Attempt* attempt) {
   const bool better_ask = looks_alike_ && (!nothing_found_ || state_ == TrackingState::kAmbiguous);
   if (!last_trusted_ || odometer.empty() || better_ask) return;
-  const bool uncontradicted = scans_ % 2 == 0;
+  const bool unmoved = scans_ % 2 == 0;
   const MovingPose& predicted = lost_odometry_->state();
   MotionPrior prior;
   prior.mean = predicted;
-  if (uncontradicted) prior.mean.pose = last_trusted_->map_from_body;
+  if (unmoved) prior.mean.pose = last_trusted_->map_from_body;
   prior.information = prior_information(gate_m_, gate_rad_, lost_odometry_->covariance());
   *attempt = odometer.probe(scan, prior, gate_m_ < kFarGate ? Reach::kNear : Reach::kFar, Sides::kBoth);
   const Pose& found = attempt->alignment.moving.pose;
-  const bool there = uncontradicted ? near(found, last_trusted_->map_from_body, 0.5, 5.0 * kDegree)
-                                    : near(found, predicted.pose, gate_m_, gate_rad_);
+  const bool there = unmoved ? near(found, last_trusted_->map_from_body, 0.5, 5.0 * kDegree)
+                             : near(found, predicted.pose, gate_m_, gate_rad_);
   // On new ground a scan distorted by a wrong velocity may fit better; the gap from the measured one excludes
   // it.
   if (!there || !explains(*attempt, kJumpScore) || squared_gap(prior, attempt->alignment.moving) > kMostGap)
