@@ -25,9 +25,9 @@ Eigen::Vector3d middle_of(const std::vector<Eigen::Vector3d>& ups);
 /// search: returns the largest consensus over all directions, with an upper bound that holds for all. The
 /// runner-up and its bound are those in the attitude of the best pose, or a better one found in another
 /// attitude. Without directions, the z axis and any consensus. With directions, a consensus below
-/// kFewestMatches or `search.at_least`, or too small for the best pose or its rival, is not searched to its
-/// proof. `search.max_work` limits the sum over all directions. `centre`: of the source, metres. `search.up`
-/// has to be the z axis.
+/// kFewestMatches or `search.at_least`, or too small for the best pose or its runner-up, is not searched to
+/// its proof. `search.max_work` limits the sum over all directions. `centre`: of the source, metres.
+/// `search.up` has to be the z axis.
 MatchRegistration search_attitudes(const Matches& matches, MatchRegistrationOptions search,
                                    const std::vector<Eigen::Vector3d>& target_ups,
                                    const Eigen::Vector3d& centre);

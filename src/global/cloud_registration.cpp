@@ -149,8 +149,8 @@ void Registrar::look_for_more(Matches matches) {
   }
 }
 
-/// The least consensus of a rival: far fewer matches than the best pose that the clouds do not contradict are
-/// not enough.
+/// The least consensus of a runner-up: far fewer matches than the best pose that the clouds do not contradict
+/// are not enough.
 int Registrar::fewest_of_a_rival() const {
   int most = 0;
   for (const Hypothesis& h : hypotheses_) most = std::max(most, is_good(h) ? h.consensus : 0);
@@ -172,8 +172,8 @@ void Registrar::attempt(const CloudDescription& source, const CloudDescription& 
     return;
   }
   add_hypothesis(result_.solution.target_from_source, result_.solution.consensus);
-  // A runner-up with at most half the consensus is no rival, and to compare the clouds costs more than the
-  // search.
+  // A runner-up with at most half the consensus cannot be right, and to compare the clouds costs more than
+  // the search.
   if (result_.solution.runner_up_consensus > 0 &&
       result_.solution.consensus < kNoRival * result_.solution.runner_up_bound)
     add_hypothesis(result_.solution.runner_up, result_.solution.runner_up_consensus);
@@ -274,8 +274,9 @@ CloudRegistration Registrar::propose() {
   const bool clear =
       s.consensus >= kFarAhead * s.runner_up_bound && is_good(hypotheses_.front()) && good_ones() == 1;
   if (!few && !clear) {
-    // If the matches led to a good hypothesis, rivals are sought in the mean direction only. Further poses
-    // from matches are needed if no hypothesis is good, or if the matches led to a good one and several are.
+    // If the matches led to a good hypothesis, runners-up are sought in the mean direction only. Further
+    // poses from matches are needed if no hypothesis is good, or if the matches led to a good one and several
+    // are.
     const bool matched = good_ones() > 0;
     add_likely(matched ? std::vector<Eigen::Vector3d>{middle_of(options_.target_ups)}
                        : spread_out(options_.target_ups));

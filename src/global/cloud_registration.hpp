@@ -54,7 +54,7 @@ struct CloudRegistration {
   Pose target_from_source = Pose::Identity();  ///< refined with the clouds; always finite
   GlobalVerdict verdict = GlobalVerdict::kNoOverlap;
   std::string why;                         ///< the reason of the verdict, a sentence for users
-  CloudFit fit, runner_up_fit;             ///< of target_from_source, and of the best of `rivals`
+  CloudFit fit, runner_up_fit;             ///< of target_from_source, and of the best of `runners_up`
   std::vector<Pose> runners_up;            ///< refined poses of the other hypotheses
   double log_odds = 0;                     ///< see hypothesis.hpp; of target_from_source, unless judged
   std::vector<Hypothesis> uncontradicted;  ///< the proposals that the clouds do not contradict

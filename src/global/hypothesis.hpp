@@ -25,17 +25,17 @@ struct Hypothesis {
 bool confirmed(const CloudFit& fit, double voxel);
 /// overlap - 4 contradiction, for comparing hypotheses of the same two clouds; larger for a better fit.
 double score(const CloudFit& fit);
-/// Least overlap of a rival.
+/// Least overlap of a runner-up.
 inline constexpr double kSomeOverlap = 0.3;
 /// Largest contradiction of a possible pose; right poses hardly ever have more than 0.01.
 inline constexpr double kImpossible = 0.03;
 /// Logarithm of the odds that the best pose of a search is right, against the case that the map does not
-/// contain the place, at even prior odds (between rivals, the scans that follow decide). `fit`: of the best
-/// pose, `others`: of the other poses. A logistic model of the overlap, the square root of the contradiction,
-/// and the lead in score over the best rival (whose score is taken as 0.2 at least). Fitted to 476 searches
-/// that had found the place and 1480 in maps that do not contain it, in towns, rooms, woods and car parks of
-/// two simulators: none of the 1480 had log odds above 4.2, but 90 % of the 476 did. With fewer than
-/// kFewSteep points of steep surfaces, the log odds are reduced in proportion.
+/// contain the place, at even prior odds (between runners-up, the scans that follow decide). `fit`: of the
+/// best pose, `others`: of the other poses. A logistic model of the overlap, the square root of the
+/// contradiction, and the lead in score over the best runner-up (whose score is taken as 0.2 at least).
+/// Fitted to 476 searches that had found the place and 1480 in maps that do not contain it, in towns, rooms,
+/// woods and car parks of two simulators: none of the 1480 had log odds above 4.2, but 90 % of the 476 did.
+/// With fewer than kFewSteep points of steep surfaces, the log odds are reduced in proportion.
 double log_odds(const CloudFit& fit, const std::vector<CloudFit>& others);
 /// Whether a pose with the fit `other` is excluded beside one with the fit `best`, because its overlap is
 /// below 0.75 of the best one or its contradiction is above 0.06.

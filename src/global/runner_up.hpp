@@ -9,8 +9,8 @@ namespace scanlock {
 
 /// Sets the runner-up of a result whose pose is `first`: a pose from a short best-first search, if weak
 /// runner-ups are wanted, then a bound on all other poses. A pose of less than half the consensus is no
-/// rival, so the bound need not be below that. The effort is bounded, because the bound of the runner-up is
-/// harder to prove than that of the best pose.
+/// runner-up, so the bound need not be below that. The effort is bounded, because the bound of the runner-up
+/// is harder to prove than that of the best pose.
 void seek_runner_up(const LevelMatches& matches, const LevelPose& first,
                     const MatchRegistrationOptions& options, const LevelFrame& frame, SearchLimits limits,
                     MatchRegistration& result);

@@ -15,7 +15,7 @@ namespace scanlock {
 
 /// Hypotheses by the fit of the clouds, independent of their consensus: among corridors that look alike, the
 /// right matches are too few to stand out. Every match of two steep surfaces defines a pose (heading by the
-/// normals, position by the points), whose coarse score is that of glance(). Returns the `count` poses of
+/// normals, position by the points), whose coarse score is that of coarse_fit(). Returns the `count` poses of
 /// best score, the best first, each a different hypothesis from those before it (see separation()); they are
 /// coarse, and have to be refined. `guesses`: further poses to score. `ups`: directions of the target's frame
 /// that may be the source's z axis; empty: the z axis. `centre`, of the source, and `epsilon`: metres.

@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 constexpr int kInliers = 30, kRunnerUp = 26, kOutliers = 300;
 
-/// Matches with a large consensus in one of several attitudes, a rival consensus in another attitude, and
+/// Matches with a large consensus in one of several attitudes, a runner-up consensus in another attitude, and
 /// random outliers.
 struct Slopes {
   explicit Slopes(unsigned seed) : sample(seed) {

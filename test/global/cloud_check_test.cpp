@@ -98,7 +98,7 @@ TEST_CASE("what is above all that the other cloud tells of its column does not c
   CHECK(fit(beside, low).least_overlap < 0.3);
 }
 
-TEST_CASE("a glance sees about what a comparison sees") {
+TEST_CASE("the coarse fit is about that of all points") {
   const Eigen::Vector3f left(-2, 0, 0), right(2, 0, 0);
   PointCloud source = room(left), target = room(right);
   add_normals(&source, 2.5f * kSpacing);

@@ -35,7 +35,7 @@ TEST_CASE("the odds of a pose grow with overlap and lead, and fall with contradi
   CHECK(log_odds(fit_of(0.85, 0.004), {fit_of(0.6, 0.02)}) > 5.3);
 }
 
-TEST_CASE("what hardly overlaps is no rival") {
+TEST_CASE("what hardly overlaps is no runner-up") {
   const CloudFit right = fit_of(0.6, 0.01);
   CHECK(log_odds(right, {fit_of(0.19, 0)}) == log_odds(right, {}));
   CHECK(log_odds(right, {fit_of(0.31, 0)}) < log_odds(right, {}));

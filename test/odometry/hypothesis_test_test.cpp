@@ -25,7 +25,7 @@ struct Ending {
   double log_odds;
 };
 
-/// The ending of a contest in a map, for a sensor at rest in the hall, all of which it sees.
+/// The outcome of a test in a map, for a sensor at rest in the hall, all of which it sees.
 Ending ending_of(HypothesisTest test, const std::vector<ArchivedKeyframe>& map,
                  const std::optional<Pose>& uncontradicted = std::nullopt) {
   const TrackerConfig config;
@@ -50,7 +50,7 @@ Ending test_of(const std::vector<ArchivedKeyframe>& map, const std::vector<Pose>
   return ending_of(HypothesisTest(places), map, uncontradicted ? std::optional(places.back()) : std::nullopt);
 }
 
-/// The ending of a contest between the hall, which the map shows as a whole, and an equal hall 40 m away, of
+/// The outcome of a test between the hall, which the map shows as a whole, and an equal hall 40 m away, of
 /// which the map shows one half.
 Ending between_twins(bool uncontradicted) {
   Scan map;

@@ -12,7 +12,7 @@ using namespace scanlock;
 
 namespace {
 
-/// A robot at rest that was kidnapped, and the answers of a search: its true pose, or a rival.
+/// A robot at rest that was kidnapped, and the answers of a search: its true pose, or a runner-up.
 struct Displaced {
   explicit Displaced(const TrackerConfig& config)
       : hall(config), first(hall.scan(0)), odometer(config), relocalisation(config) {
@@ -101,7 +101,7 @@ TEST_CASE("a place is not believed before its twin, which the map at hand does n
   CHECK(robot.relocalisation.state() == TrackingState::kAmbiguous);
 }
 
-TEST_CASE("twins that scans have not told apart stay rivals when a later search finds another place") {
+TEST_CASE("twins that scans have not told apart stay runners-up when a later search finds another place") {
   TrackerConfig config;
   config.max_keyframes = 4;
   const Pose twin(Eigen::Translation3d(40, 0, 0)), elsewhere(Eigen::Translation3d(0, 0, 6));
@@ -121,7 +121,7 @@ TEST_CASE("twins that scans have not told apart stay rivals when a later search 
   CHECK(outcome == Relocalisation::Outcome::kLost);
 }
 
-TEST_CASE("a rival that the archive does not show better does not take the map away") {
+TEST_CASE("a runner-up that the archive does not show better does not take the map away") {
   Displaced robot(TrackerConfig{});
   robot.remember({Pose::Identity()});
   robot.lose();
