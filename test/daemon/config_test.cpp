@@ -134,7 +134,7 @@ TEST_CASE("values out of range or of another type are errors") {
                     "robot.toml:2: output.pose_channel: has 64"));
 }
 
-TEST_CASE("a whole number serves where a real one is expected") {
+TEST_CASE("a key of real type accepts an integer") {
   CHECK(parse_config("[tracker]\nmax_range_m = 80", "x").tracker.max_range_m == 80);
 }
 
@@ -155,7 +155,7 @@ TEST_CASE("a file that cannot be read is an error that names it") {
   }
 }
 
-TEST_CASE("values from the command line are held to the same ranges") {
+TEST_CASE("values from the command line are checked against the same ranges") {
   Config config;
   config.tracker.threads = 0;
   CHECK_THROWS_AS(check_config(config), ConfigError);
@@ -164,7 +164,8 @@ TEST_CASE("values from the command line are held to the same ranges") {
   CHECK_THROWS_AS(check_config(config), ConfigError);
 }
 
-TEST_CASE("a channel serves one purpose and the own poses are no prior") {
+TEST_CASE(
+    "a configuration that uses one channel for two purposes is refused, but empty channels may repeat") {
   Config config;
   config.daemon.prior_odometry_channel = config.daemon.pose_channel;
   try {

@@ -29,7 +29,7 @@ std::string drained(TestInbox& inbox) {
 
 }  // namespace
 
-TEST_CASE("a fresh scan replaces the old one and no command") {
+TEST_CASE("a new scan replaces the waiting scan, and no command") {
   TestInbox inbox(8);
   CHECK_FALSE(inbox.replace(1));
   CHECK(inbox.post("save"));
@@ -39,7 +39,7 @@ TEST_CASE("a fresh scan replaces the old one and no command") {
   CHECK(drained(inbox) == "save reset 3 ");
 }
 
-TEST_CASE("too many commands are refused and scans are not in their way") {
+TEST_CASE("too many commands are refused, and a waiting scan does not count") {
   TestInbox inbox(2);
   inbox.replace(1);
   CHECK(inbox.post("a"));
@@ -48,7 +48,7 @@ TEST_CASE("too many commands are refused and scans are not in their way") {
   CHECK(drained(inbox) == "1 a b ");
 }
 
-TEST_CASE("a scan that is only offered takes nobody's place") {
+TEST_CASE("an offered scan is refused while another scan waits") {
   TestInbox inbox(8);
   CHECK(inbox.offer(1));
   CHECK_FALSE(inbox.offer(2));
@@ -57,7 +57,7 @@ TEST_CASE("a scan that is only offered takes nobody's place") {
   CHECK(drained(inbox) == "1 reset ");
 }
 
-TEST_CASE("closing wakes the taker and drops the scan and keeps accepted commands") {
+TEST_CASE("closing wakes a waiting taker, drops the scan and keeps the accepted commands") {
   TestInbox empty(1), full(1);
   full.replace(1);
   full.post("save");

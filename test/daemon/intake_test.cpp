@@ -31,7 +31,7 @@ Scan hall(std::int64_t utime) {
 
 }  // namespace
 
-TEST_CASE("a scan comes out as its message had it and a message of another channel leads to nothing") {
+TEST_CASE("a scan keeps its stamp and its points, and a message on another channel is ignored") {
   IntakeBench bench;
   const Bytes bytes = encode_pointcloud2(hall(1000000));
   CHECK(bench.take("ELSEWHERE", bytes).empty());
@@ -55,7 +55,7 @@ TEST_CASE("a scan without a stamp takes the time of its event") {
   CHECK(bench.counters().without_time == 1);
 }
 
-TEST_CASE("scans are counted as scans and sectors as sectors") {
+TEST_CASE("complete scans, received sectors and discarded sectors are counted separately") {
   IntakeBench bench;
   const std::vector<Bytes> sectors = encode_sectors(hall(1000000), {}, 6000);
   REQUIRE(sectors.size() > 2);
@@ -79,7 +79,7 @@ TEST_CASE("scans without times of points are counted and warned of once a channe
         std::string::npos);
 }
 
-TEST_CASE("commands come out and bad ones are counted") {
+TEST_CASE("commands are decoded, and invalid ones are counted") {
   IntakeBench bench;
   Command command;
   command.kind = CommandKind::kReset;

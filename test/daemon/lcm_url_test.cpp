@@ -39,7 +39,7 @@ TEST_CASE("the flag wins over the environment and a buffer in the URL over the c
   CHECK(input_url(config) == "udpm://?recv_buf_size=8388608");
 }
 
-TEST_CASE("a log is never published into while it is read") {
+TEST_CASE("the URL of an input log is never used as the output URL") {
   const Environment environment("");
   DaemonConfig config;
   config.url = "file:///tmp/a.lcmlog?speed=0";
@@ -51,7 +51,7 @@ TEST_CASE("a log is never published into while it is read") {
   CHECK(output_url(config) == config.out_url);
 }
 
-TEST_CASE("the path of a log is what stands between file:// and the options") {
+TEST_CASE("the path of a log is the part of its URL between file:// and the options") {
   CHECK(log_url_path("file:///tmp/a.lcmlog?speed=0&mode=w") == "/tmp/a.lcmlog");
   CHECK(log_url_path("file://a.lcmlog") == "a.lcmlog");
   CHECK(log_url_path("udpm://239.255.76.67:7667?ttl=0") == "");
@@ -72,7 +72,7 @@ TEST_CASE("channel names are literal") {
   CHECK(literal_pattern("a.*(b)") == "a\\.\\*\\(b\\)");
 }
 
-TEST_CASE("a URL that can never work is told from one that waits for its network") {
+TEST_CASE("a URL that can never work is refused, and a well-formed URL of an unreachable host is accepted") {
   for (const char* url : {"udpm://239.255.76.67:7667?ttl=0", "udpm://", "udpm://?ttl=0", "tcpq://nobody:7700",
                           "file:///tmp/a.lcmlog?speed=0"})
     CHECK_NOTHROW(check_url(url));

@@ -35,7 +35,7 @@ TEST_CASE("an identity mount changes nothing") {
   CHECK(body.degenerate_axes == tracked.degenerate_axes);
 }
 
-TEST_CASE("the body moves as the rigid sensor says") {
+TEST_CASE("the motion of the body follows from the motion of the sensor and the mount") {
   // A body that moves by B moves its sensor from M to B M; the sensor's own motion is M^-1 B M.
   const Pose mount = some_mount(), body_motion = some_motion();
   TrackedScan tracked;

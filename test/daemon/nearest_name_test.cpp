@@ -6,7 +6,7 @@
 
 using namespace scanlock;
 
-TEST_CASE("the nearest name begins so, or takes the fewest letters to change, and not all of them") {
+TEST_CASE("the nearest name begins with the input or differs in few letters; otherwise there is none") {
   const std::vector<std::string> names = {"voxel", "output", "json", "up"};
   CHECK(nearest_name("voxl", names) == "voxel");
   CHECK(nearest_name("oxvel", names) == "voxel");

@@ -48,7 +48,7 @@ class Bench {
 
 }  // namespace
 
-TEST_CASE("a pose that is set is that of the body") {
+TEST_CASE("set_pose sets the pose of the body, not that of the sensor") {
   Config config;
   config.daemon.mount.x_m = 1.5;
   config.daemon.mount.yaw_deg = 90;
@@ -99,7 +99,7 @@ TEST_CASE("a map is saved on command and loaded again") {
   CHECK(tracked[0].epoch > map.epoch);
 }
 
-TEST_CASE("commands that cannot be done are counted and explained and change nothing") {
+TEST_CASE("commands that cannot be executed are counted and explained, and change nothing") {
   const TemporaryDirectory folder;
   write_file(folder / "damaged.map", std::string("\x89SLMAP\r\n and so on"));
   Bench bench{Config{}};
@@ -136,7 +136,7 @@ TEST_CASE("the configured map is written on exit and found at the next start") {
   CHECK(tracked[0].epoch > map.epoch);
 }
 
-TEST_CASE("a damaged map stops the start and stays as it is") {
+TEST_CASE("a damaged map file stops the start and is not modified") {
   const TemporaryDirectory folder;
   Config config;
   config.daemon.map.file = folder / "hall.map";
@@ -153,7 +153,7 @@ TEST_CASE("a damaged map stops the start and stays as it is") {
   CHECK(file_bytes(config.daemon.map.file) == bytes);
 }
 
-TEST_CASE("a map that the new one does not continue is kept") {
+TEST_CASE("a map that the new map does not continue is kept as .old") {
   const TemporaryDirectory folder;
   Config config;
   config.daemon.map.file = folder / "hall.map";
@@ -173,7 +173,7 @@ TEST_CASE("a map that the new one does not continue is kept") {
   CHECK(read_map(config.daemon.map.file).keyframes.at(0).utime > 1000000 + 100000 * 2);
 }
 
-TEST_CASE("a map made of one cloud that takes the place of a map made of another is no more of it") {
+TEST_CASE("a map of one cloud that is replaced by a map of another cloud is kept as .old") {
   const TemporaryDirectory folder;
   const auto write = [&](const std::string& path, float reach) {
     const Scan scan = hall_scan(Pose::Identity(), Vector6::Zero(), 0, 5);
@@ -194,7 +194,7 @@ TEST_CASE("a map made of one cloud that takes the place of a map made of another
   CHECK(read_map(config.daemon.map.file).keyframes.at(0).reach == 9);
 }
 
-TEST_CASE("where a map has grown beside a cloud that is newer, it is used, and that is told") {
+TEST_CASE("a grown map beside a newer cloud is used, and the newer cloud is reported") {
   const TemporaryDirectory folder;
   SavedMap map;
   map.keyframes.push_back(
@@ -228,7 +228,7 @@ TEST_CASE("without a scan no map file appears") {
   CHECK_FALSE(std::filesystem::exists(config.daemon.map.file));
 }
 
-TEST_CASE("odometry that contradicts the scans is reported and the pose stays") {
+TEST_CASE("odometry that contradicts the scans is reported and does not affect the pose") {
   Bench bench{Config{}};
   for (int i = 0; i < 12; ++i) {
     PriorSample prior;
@@ -266,7 +266,7 @@ TEST_CASE("a replay writes none of the files that its log names") {
   CHECK_FALSE(std::filesystem::exists(folder / "hall.map"));
 }
 
-TEST_CASE("a step of the clock is counted and named and leaves map and epoch") {
+TEST_CASE("a step of the clock is counted and reported, and changes neither map nor epoch") {
   Bench bench{Config{}};
   for (int i = 0; i < 5; ++i) bench.scan(i);
   for (int i = 0; i < 5; ++i) bench.scan_at(7000000000 + 100000 * i);
@@ -279,7 +279,7 @@ TEST_CASE("a step of the clock is counted and named and leaves map and epoch") {
   CHECK(tracked.back().map_from_body.translation().norm() < 0.02);
 }
 
-TEST_CASE("until a place in a loaded map is believed a pose is not one of the map") {
+TEST_CASE("a pose is not localised before a hypothesis in the loaded map is accepted") {
   const TemporaryDirectory folder;
   Config config;
   config.daemon.map.file = folder / "hall.map";
@@ -310,7 +310,7 @@ struct Overwritten {
   }
 };
 
-TEST_CASE("a map file that is written over in place is told of") {
+TEST_CASE("a map file that is overwritten in place is reported") {
   Overwritten map;
   const std::string& file = map.config.daemon.map.file;
   Bench bench(map.config, Pipeline::Mode::kReplay);
@@ -325,7 +325,7 @@ TEST_CASE("a map file that is written over in place is told of") {
   CHECK(file_bytes(file) == map.damaged);
 }
 
-TEST_CASE("a map file that is written over in place costs no scan and no other map" *
+TEST_CASE("a map file that is overwritten in place costs no scan, and another map can be loaded" *
           doctest::test_suite("long drives")) {
   Overwritten map;
   Bench bench(map.config, Pipeline::Mode::kReplay);

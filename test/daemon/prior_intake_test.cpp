@@ -46,7 +46,7 @@ std::optional<std::string> give(PriorIntake& intake, const std::string& channel,
 
 }  // namespace
 
-TEST_CASE("without channels there is nothing to say and nothing to blame") {
+TEST_CASE("without prior channels there is neither a sample nor a fault") {
   PriorIntake intake{DaemonConfig{}};
   CHECK(intake.channels().empty());
   for (int i = 0; i < 100; ++i) {
@@ -72,7 +72,7 @@ TEST_CASE("both sensors are read at the stamp of the scan") {
   CHECK(Eigen::AngleAxisd(*reading.sample.level_from_body).angle() == doctest::Approx(0.045));
 }
 
-TEST_CASE("useless messages are named and do no harm") {
+TEST_CASE("invalid messages are reported and change no sample") {
   PriorIntake intake = both();
   give(intake, "WHEELS", odometry(kFirstSample, 1));
   const auto wrong_type = give(intake, "WHEELS", attitude(kFirstSample + 1000, 0));

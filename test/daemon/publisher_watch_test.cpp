@@ -28,7 +28,7 @@ TrackedScan scan(PoseMethod method) {
 
 }  // namespace
 
-TEST_CASE("counts of two senders in turn are told from those of one") {
+TEST_CASE("message counts of two alternating publishers are distinguished from those of one") {
   CHECK(told({100, 5000}, 20));
   CHECK(told({100, 100}, 20));  // both publishers started at the same time
   CHECK(told({100, 5000}, 20, true));
@@ -38,7 +38,7 @@ TEST_CASE("counts of two senders in turn are told from those of one") {
   CHECK_FALSE(told({100, 5000}, 4));        // too few scans to decide
 }
 
-TEST_CASE("places that alternate scan by scan are named once in a while") {
+TEST_CASE("scans that alternate between tracked and predicted are reported once in 500 scans") {
   PublisherWatch watch;
   int named = 0;
   for (int i = 0; i < 500; ++i)
@@ -46,7 +46,8 @@ TEST_CASE("places that alternate scan by scan are named once in a while") {
   CHECK(named == 1);
 }
 
-TEST_CASE("a robot that is lost or follows is not two robots") {
+TEST_CASE(
+    "a robot that alternates between 25 tracked and 25 predicted scans is not reported as two publishers") {
   PublisherWatch watch;
   for (int i = 0; i < 500; ++i)
     CHECK_FALSE(watch.look(scan(i % 50 < 25 ? PoseMethod::kIcp : PoseMethod::kPredicted)));

@@ -52,7 +52,7 @@ class Listener {
 
 }  // namespace
 
-TEST_CASE("the service manager is told of the start, of the end, and in between that the daemon works") {
+TEST_CASE("the service manager receives READY=1, WATCHDOG=1 while the daemon works, and STOPPING=1") {
   const TemporaryDirectory directory;
   const ServiceManager::Clock::time_point begin = ServiceManager::Clock::now();
   for (const std::string& address : {directory / "notify", "@scanlock_test_" + std::to_string(getpid())}) {
@@ -77,8 +77,7 @@ TEST_CASE("the service manager is told of the start, of the end, and in between 
   }
 }
 
-TEST_CASE(
-    "a watchdog for another process is not served, and a service manager that is not there does no harm") {
+TEST_CASE("a watchdog of another process is ignored, and a missing service manager is no error") {
   const TemporaryDirectory directory;
   {
     const Listener listener(directory / "notify", "4000000");

@@ -9,7 +9,7 @@
 
 using namespace scanlock;
 
-TEST_CASE("the freshest value replaces what was not taken") {
+TEST_CASE("a new value replaces a value that was not taken") {
   Slot<int> slot;
   CHECK_FALSE(slot.replace(1));
   CHECK(slot.replace(2));
@@ -31,7 +31,7 @@ TEST_CASE("put loses nothing and keeps the order") {
   for (int i = 0; i < 1000; ++i) CHECK(taken[static_cast<std::size_t>(i)] == i);
 }
 
-TEST_CASE("closing wakes a taker and a giver and drops what is there") {
+TEST_CASE("closing wakes a waiting taker and a waiting giver, and drops the stored value") {
   Slot<int> empty, full;
   full.replace(1);
   auto taker = std::async(std::launch::async, [&] { return empty.take().has_value(); });
@@ -43,7 +43,7 @@ TEST_CASE("closing wakes a taker and a giver and drops what is there") {
   CHECK_FALSE(full.take().has_value());
 }
 
-TEST_CASE("after finish what is there can still be taken") {
+TEST_CASE("the stored value can still be taken after finish") {
   Slot<int> slot;
   slot.replace(7);
   slot.finish();

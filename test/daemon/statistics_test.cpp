@@ -68,7 +68,7 @@ TEST_CASE("each fault and verdict has its own counter") {
   CHECK(counters.last_error.find("was not used") != std::string::npos);
 }
 
-TEST_CASE("latencies forget what is long ago") {
+TEST_CASE("latency percentiles cover only the most recent poses") {
   Statistics statistics;
   for (int i = 0; i < 1000; ++i) statistics.count_published(500);
   for (int i = 0; i < 1000; ++i) statistics.count_published(10);
@@ -104,7 +104,7 @@ TEST_CASE("silence is reported with its reason and at doubling intervals") {
   CHECK(contains(SilenceWatch("LIDAR.*", 5, kStart).look({}, kStart + seconds(5))->text, "not patterns"));
 }
 
-TEST_CASE("a throttle lets one through each period and counts the rest") {
+TEST_CASE("a throttle allows one event in each period and counts the suppressed events") {
   Throttle throttle(seconds(10));
   CHECK(throttle.allows(kStart));
   CHECK(throttle.suppressed() == 0);

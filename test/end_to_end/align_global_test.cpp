@@ -38,7 +38,7 @@ bool says(const std::string& json, const std::string& what) {
 
 }  // namespace
 
-TEST_CASE("align finds a pose without a start, and says how sure it is") {
+TEST_CASE("align without an initial pose finds the pose and reports verdict, bounds and runner-up") {
   const Yards yards;
   for (const std::string method : {"", "4dof", "4dof+robust-icp-plane"}) {
     std::vector<std::string> arguments = {"scanlock-align", yards.source, yards.target,
@@ -58,7 +58,7 @@ TEST_CASE("align finds a pose without a start, and says how sure it is") {
   }
 }
 
-TEST_CASE("align prints a pose that is not certain, says so and fails, unless it is to accept it" *
+TEST_CASE("align prints an uncertain pose with its verdict and fails, unless --accept allows the verdict" *
           doctest::test_suite("many trials")) {
   const Yards yards;
   const std::string here = yards.folder / "here.pcd", there = yards.folder / "there.pcd";
@@ -120,7 +120,7 @@ TEST_CASE("clouds that hang upside down align as they do upright") {
   CHECK(near(read_tum(poses)[1].pose, hanging, 0.05, 0.0035));
 }
 
-TEST_CASE("align refuses a vertical and an epsilon that make no sense") {
+TEST_CASE("align refuses a zero vertical, an epsilon that is not positive and an unknown method") {
   const Yards yards;
   CHECK(run(yards.folder, {"scanlock-align", yards.source, yards.target, "--up", "0,0,0"}).code == 2);
   CHECK(run(yards.folder, {"scanlock-align", yards.source, yards.target, "--epsilon", "0"}).code == 2);
@@ -129,7 +129,7 @@ TEST_CASE("align refuses a vertical and an epsilon that make no sense") {
         2);
 }
 
-TEST_CASE("align chains clouds without a start, and stops at a pair that is not certain") {
+TEST_CASE("align chains clouds without an initial pose, and stops at a pair that is not certain") {
   const Yards yards;
   const std::string poses = yards.folder / "poses.tum";
   const Result chain = run(yards.folder, {"scanlock-align", yards.target, yards.source, yards.target,

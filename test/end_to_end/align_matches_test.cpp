@@ -40,7 +40,7 @@ TEST_CASE("scanlock-align solves a correspondence file") {
   }
 }
 
-TEST_CASE("scanlock-align names what is wrong with a correspondence file") {
+TEST_CASE("scanlock-align reports the error in an invalid correspondence file") {
   const TemporaryFolder folder;
   const std::string file = folder / "matches.txt";
   const auto code = [&](const std::string& text, const std::string& epsilon) {

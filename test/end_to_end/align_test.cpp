@@ -48,7 +48,7 @@ struct Files {
 
 }  // namespace
 
-TEST_CASE("scanlock-align prints the promised JSON and writes its files") {
+TEST_CASE("scanlock-align prints every documented JSON member and writes its files") {
   const Files files;
   const std::string aligned = files.folder / "aligned.ply", picture = files.folder / "picture.svg";
   const Result result =
@@ -87,7 +87,7 @@ TEST_CASE("scanlock-align prints the promised JSON and writes its files") {
   CHECK(read_file(picture).find("from the front") != std::string::npos);
 }
 
-TEST_CASE("scanlock-align starts where it is told to") {
+TEST_CASE("scanlock-align starts at the pose of --init") {
   const Files files;
   const Result result = run(files.folder, {"scanlock-align", files.source, files.target, "--method", "icp",
                                            "--init", files.truth, "--truth", files.truth, "--json"});
@@ -95,7 +95,8 @@ TEST_CASE("scanlock-align starts where it is told to") {
   CHECK(number(result.output, "rotation_error_deg") < 0.5);
 }
 
-TEST_CASE("scanlock-align fails where the clouds leave a motion open, unless it is to accept that") {
+TEST_CASE(
+    "scanlock-align fails where the clouds leave an axis unconstrained, unless --accept ambiguous is given") {
   const TemporaryFolder folder;
   const std::string source = folder / "source.ply", target = folder / "target.ply";
   write_cloud(source, ground(1));
@@ -114,7 +115,7 @@ TEST_CASE("scanlock-align fails where the clouds leave a motion open, unless it 
   CHECK(accepted.errors.empty());
 }
 
-TEST_CASE("scanlock-align says what is wrong in one line") {
+TEST_CASE("scanlock-align reports an error in one line") {
   const Files files;
   const std::string two = files.folder / "two.xyz", bad = files.folder / "bad.txt";
   write_file(two, "0 0 0\n1 0 0\n");

@@ -92,7 +92,7 @@ Place last_of(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("every scan that lcm-logplayer plays has its pose in what lcm-logger records") {
+TEST_CASE("every scan that lcm-logplayer plays has a pose in the log that lcm-logger records") {
   const Network network;
   if (!lack_of(network).empty()) {
     MESSAGE("skipped: " << lack_of(network));
@@ -140,7 +140,7 @@ TEST_CASE("the first scans of KITTI 00 end within 8 cm of the reference") {
   CHECK(std::hypot(last.x - reference.x, last.y - reference.y) < 0.08);
 }
 
-TEST_CASE("a scan in sectors has its pose, also when one of them is lost") {
+TEST_CASE("a scan sent in sectors gets a pose, also when one sector is lost") {
   const Network network;
   if (!network.lack().empty()) {
     MESSAGE("skipped: " << network.lack());

@@ -39,7 +39,7 @@ void drive_along(Listener& listener, int first, int last) {
 
 }  // namespace
 
-TEST_CASE("commands over LCM are done and counted and bad ones explained") {
+TEST_CASE("commands over LCM are executed and counted, and invalid ones are explained") {
   const Network network;
   if (!network.lack().empty()) {
     MESSAGE("skipped: " << network.lack());
@@ -77,7 +77,7 @@ TEST_CASE("commands over LCM are done and counted and bad ones explained") {
   CHECK(daemon.wait(seconds(2)) == 0);
 }
 
-TEST_CASE("scanlock-command tells what became of a command") {
+TEST_CASE("scanlock-command reports the result of a command") {
   const TemporaryFolder folder;
   const auto says = [&](const std::vector<std::string>& words) {
     std::vector<std::string> command{"scanlock-command"};
@@ -117,7 +117,7 @@ TEST_CASE("scanlock-command tells what became of a command") {
   CHECK(daemon.wait(seconds(2)) == 0);
 }
 
-TEST_CASE("the map is there after a clean end and a damaged one stops the start untouched") {
+TEST_CASE("a clean end saves the map; a damaged map file stops the start and is not modified") {
   const Network network;
   if (!network.lack().empty()) {
     MESSAGE("skipped: " << network.lack());

@@ -45,7 +45,7 @@ void write_trajectories(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("programs tell help and version and refuse wrong usage with 2") {
+TEST_CASE("programs print help and version and exit with 2 on wrong usage") {
   TemporaryFolder folder;
   for (const std::string program : {"scanlock-convert", "scanlock-evaluate"}) {
     CAPTURE(program);
@@ -91,7 +91,7 @@ TEST_CASE("evaluate prints one JSON object with the members of the contract") {
   CHECK(std::filesystem::file_size(folder / "p.html") > std::filesystem::file_size(folder / "p.svg"));
 }
 
-TEST_CASE("convert does not wait for a pipe, and leaves nothing where a file may grow no further") {
+TEST_CASE("convert refuses a pipe as input, and leaves no partial file at the limit of the file size") {
   const TemporaryFolder folder;
   REQUIRE(mkfifo((folder / "pipe.ply").c_str(), 0600) == 0);
   const Result pipe = run(folder, {"scanlock-convert", folder / "pipe.ply", folder / "site.map"});
@@ -108,7 +108,7 @@ TEST_CASE("convert does not wait for a pipe, and leaves nothing where a file may
     CHECK(!contains(entry.path().string(), "reference.kitti"));
 }
 
-TEST_CASE("convert carries trajectories to and fro and scans into a log that it can tell about") {
+TEST_CASE("convert round-trips trajectories, and writes, describes and extracts logs of scans") {
   TemporaryFolder folder;
   write_trajectories(folder);
   const std::string tum = folder / "reference.tum", kitti = folder / "r.kitti", back = folder / "b.tum";

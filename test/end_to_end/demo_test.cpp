@@ -49,7 +49,7 @@ Result run_demo(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("the demo prints the evaluation with what the daemon said, and where the page is") {
+TEST_CASE("the demo prints the evaluation, the scan counts of the daemon and the path of the page") {
   const TemporaryFolder folder;
   make_tree(folder, "0");
   const Result result = run_demo(folder);
@@ -62,7 +62,7 @@ TEST_CASE("the demo prints the evaluation with what the daemon said, and where t
   for (const char* file : {"build/demo/index.html", "build/demo/drive.svg"}) CHECK(fs::exists(folder / file));
 }
 
-TEST_CASE("the demo says where the machine was too slow for the sensor") {
+TEST_CASE("the demo prints a note if the machine was too slow for the sensor") {
   const TemporaryFolder folder;
   make_tree(folder, "3");
   const Result result = run_demo(folder);

@@ -63,14 +63,14 @@ TEST_CASE("help and version go to standard output and are no errors") {
   CHECK(contains(version.output, "."));
 }
 
-TEST_CASE("wrong usage is 2") {
+TEST_CASE("wrong usage exits with 2") {
   const TemporaryFolder folder;
   CHECK(run(folder, {"scanlockd", "--no-such-flag"}).code == 2);
   CHECK(run(folder, {"scanlockd", "--threads", "0"}).code == 2);
   CHECK(run(folder, {"scanlockd", "stray"}).code == 2);
 }
 
-TEST_CASE("a configuration that cannot be used is 1 and one line that says where and what") {
+TEST_CASE("an unusable configuration exits with 1 and one line that locates the error") {
   const TemporaryFolder folder;
   write_file(folder / "unknown.toml", "[tracker]\nthread = 2\n");
   write_file(folder / "range.toml", "[tracker]\nthreads = 0\n");
@@ -92,7 +92,7 @@ TEST_CASE("a configuration that cannot be used is 1 and one line that says where
   }
 }
 
-TEST_CASE("the printed configuration can be given back") {
+TEST_CASE("the printed configuration, read back, prints the same configuration") {
   const TemporaryFolder folder;
   const Result printed =
       run(folder, {"scanlockd", "--print-config", "--scan-channel", "A", "--threads", "3"});
@@ -103,7 +103,7 @@ TEST_CASE("the printed configuration can be given back") {
   CHECK(again.output == printed.output);
 }
 
-TEST_CASE("a log that cannot be read or written is 1 and named") {
+TEST_CASE("a log that cannot be read or written exits with 1 and is named") {
   const Network network;
   const TemporaryFolder folder;
   const Result missing = run(folder, {"scanlockd", "-l", "file://" + (folder / "no.lcmlog")});
@@ -114,7 +114,7 @@ TEST_CASE("a log that cannot be read or written is 1 and named") {
   CHECK(contains(reading.errors, "mode=w"));
 }
 
-TEST_CASE("a signal ends the daemon with 0 while it works") {
+TEST_CASE("a signal ends a working daemon with exit code 0") {
   const Network network;
   if (!network.lack().empty()) {
     MESSAGE("skipped: " << network.lack());
@@ -137,7 +137,7 @@ TEST_CASE("a signal ends the daemon with 0 while it works") {
   }
 }
 
-TEST_CASE("without a multicast route the daemon waits, says what to do, and works once there is one") {
+TEST_CASE("without a multicast route the daemon waits with instructions, and works once the route exists") {
   Network network(false);
   if (!network.is_private()) {
     MESSAGE("skipped: no network namespace of its own");
@@ -163,7 +163,8 @@ TEST_CASE("without a multicast route the daemon waits, says what to do, and work
   CHECK(daemon.wait(seconds(2)) == 0);
 }
 
-TEST_CASE("where a firewall drops multicast the programs report it, and the daemon works once it does not") {
+TEST_CASE(
+    "multicast dropped by a firewall is reported, and the daemon works once the firewall lets it pass") {
   const TemporaryFolder folder;
   const Network network;
   const std::string port = network.url().substr(network.url().rfind(':') + 1, 5);
@@ -208,7 +209,7 @@ TEST_CASE("a signal ends a daemon that still waits for its network") {
   CHECK(daemon.wait(seconds(2)) == 0);
 }
 
-TEST_CASE("the doctor finds nothing wrong where multicast works") {
+TEST_CASE("scanlockd --check passes where multicast works") {
   const Network network;
   if (!network.lack().empty() || possible_receive_buffer() < 4000000) {
     MESSAGE("skipped: " << network.lack() << " (or no receive buffer of 4 MB)");
@@ -224,7 +225,7 @@ TEST_CASE("the doctor finds nothing wrong where multicast works") {
   CHECK(json["echo"]["received"] == json["echo"]["sent"]);
 }
 
-TEST_CASE("the doctor is not content with silence and names the channel that carries scans") {
+TEST_CASE("scanlockd --check fails without scans, and names the channel that carries scans") {
   const Network network;
   if (!network.lack().empty() || possible_receive_buffer() < 4000000) {
     MESSAGE("skipped: " << network.lack() << " (or no receive buffer of 4 MB)");
@@ -241,7 +242,7 @@ TEST_CASE("the doctor is not content with silence and names the channel that car
   CHECK(contains(elsewhere.output, "--scan-channel 'VELODYNE'"));
 }
 
-TEST_CASE("the doctor reads a log as the replay does") {
+TEST_CASE("scanlockd --check reads a log as the replay does") {
   const TemporaryFolder folder;
   const std::string log = folder / "drive.lcmlog", other = folder / "notes.txt";
   write_log(log, drive(4, 16, 360));
@@ -280,7 +281,7 @@ TEST_CASE("a URL that can never work ends the program at once") {
   }
 }
 
-TEST_CASE("the doctor finds the faults and names the command for each") {
+TEST_CASE("scanlockd --check finds the faults and names the command for each") {
   Network network(false);
   if (!network.is_private()) {
     MESSAGE("skipped: no network namespace of its own");

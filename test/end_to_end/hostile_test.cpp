@@ -45,7 +45,7 @@ bot_core::pointcloud2_t filled_with(float value, int points, std::int64_t utime)
 
 }  // namespace
 
-TEST_CASE("hostile messages are counted one by one and the daemon lives on") {
+TEST_CASE("hostile messages are counted one by one, and the daemon keeps running") {
   const Network network;
   if (!network.lack().empty()) {
     MESSAGE("skipped: " << network.lack());
@@ -150,7 +150,7 @@ TEST_CASE("scans of a repeated or an earlier time are counted and not used") {
   CHECK(listener.odometry.size() == 1);
 }
 
-TEST_CASE("a scan without a time is given that of its arrival and said so") {
+TEST_CASE("a scan without a stamp gets the time of its arrival, and this is reported") {
   const Network network;
   if (!network.lack().empty()) {
     MESSAGE("skipped: " << network.lack());
@@ -166,7 +166,7 @@ TEST_CASE("a scan without a time is given that of its arrival and said so") {
   CHECK(listener.until([&] { return listener.status.last_error.find("has no time") != std::string::npos; }));
 }
 
-TEST_CASE("channel names are literal and other channels are not heard") {
+TEST_CASE("channel names are literal, and messages of other channels are ignored") {
   const Network network;
   if (!network.lack().empty()) {
     MESSAGE("skipped: " << network.lack());

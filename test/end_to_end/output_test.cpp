@@ -105,7 +105,7 @@ void check_refusal(const CommandLine& command, const Result& result) {
 
 }  // namespace
 
-TEST_CASE("no program overwrites a file unless it is told to") {
+TEST_CASE("no program overwrites a file without --force") {
   const Inputs inputs;
   for (const Writer& writer : inputs.writers()) {
     const std::string output = inputs.folder / writer.output;
@@ -127,7 +127,7 @@ TEST_CASE("no program overwrites a file unless it is told to") {
   }
 }
 
-TEST_CASE("no program writes over what it reads, not even when it is told to") {
+TEST_CASE("no program overwrites its own input, not even with --force") {
   const Inputs inputs;
   const std::string config = inputs.folder / "c.toml", link = inputs.folder / "link.ply",
                     transform = inputs.folder / "t.txt";
@@ -186,7 +186,7 @@ TEST_CASE("two outputs in one file are refused") {
   }
 }
 
-TEST_CASE("the map and the log of the daemon are two files") {
+TEST_CASE("the daemon refuses a map and an output log in one file") {
   const Inputs inputs;
   const std::string output = inputs.folder / "out";
   const CommandLine command = {"scanlockd", "-l",        "file://" + inputs.log + "?speed=0", "--map",
@@ -197,7 +197,7 @@ TEST_CASE("the map and the log of the daemon are two files") {
   CHECK_FALSE(fs::exists(output));
 }
 
-TEST_CASE("a daemon that cannot start leaves the log it was to write as it was") {
+TEST_CASE("a daemon that cannot start leaves its output log unchanged") {
   const Inputs inputs;
   const std::string output = inputs.folder / "out.lcmlog", damaged = inputs.folder / "damaged.map",
                     input = "file://" + inputs.log;
@@ -249,7 +249,7 @@ TEST_CASE("a cloud of a kind that cannot be written is refused before any work")
   }
 }
 
-TEST_CASE("a directory of scans is not mixed with what is in it already") {
+TEST_CASE("a directory that holds scans is refused, and --force replaces the scans and no other file") {
   const Inputs inputs;
   const std::string log = inputs.folder / "a.lcmlog", out = inputs.folder / "out";
   REQUIRE(run(inputs.folder, {"scanlock-convert", inputs.scans, log}).code == 0);
@@ -303,7 +303,7 @@ TEST_CASE("a replay in which no scan was used writes neither map nor poses") {
   CHECK_FALSE(fs::exists(poses));
 }
 
-TEST_CASE("an output on standard output and what is printed there do not overwrite each other") {
+TEST_CASE("an output file /dev/stdout and the printed result do not overwrite each other") {
   const Inputs inputs;
   const Result result =
       run(inputs.folder, {"scanlock-evaluate", inputs.tum, inputs.tum, "--html", "/dev/stdout", "--json"});
@@ -314,7 +314,7 @@ TEST_CASE("an output on standard output and what is printed there do not overwri
   CHECK(contains(result.output, "<html"));
 }
 
-TEST_CASE("where standard output is closed nothing is printed into a file that the program opens") {
+TEST_CASE("with a closed standard output nothing is printed into a file that the program opens") {
   const Inputs inputs;
   const std::string open = inputs.folder / "open.lcmlog", closed = inputs.folder / "closed.lcmlog";
   REQUIRE(run(inputs.folder, {"scanlock-convert", inputs.scans, open}).code == 0);
@@ -326,7 +326,7 @@ TEST_CASE("where standard output is closed nothing is printed into a file that t
   CHECK(read_file(closed) == read_file(open));
 }
 
-TEST_CASE("what cannot be printed is exit 1 with the reason") {
+TEST_CASE("output that cannot be printed is exit 1 with the reason") {
   const Inputs inputs;
   const std::string matches = inputs.folder / "matches.txt";
   write_file(matches, "1 0 0 1 3 3\n0 1 0 0 2 3\n2 2 1 -1 4 4\n");

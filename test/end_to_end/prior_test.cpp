@@ -67,7 +67,7 @@ std::string odometry_in(const std::string& log) {
 
 }  // namespace
 
-TEST_CASE("a replay with priors gives the same bytes twice and has nothing to complain of") {
+TEST_CASE("a replay with priors gives the same bytes twice and reports no fault") {
   const TemporaryFolder folder;
   write_log(folder / "drive.lcmlog", drive_with_priors(0));
   const Result first = replay(folder, "drive.lcmlog", "first.lcmlog");

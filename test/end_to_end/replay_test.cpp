@@ -68,7 +68,7 @@ double metres_off(const scanlock::odometry_t& pose, int i) {
 
 }  // namespace
 
-TEST_CASE("one stamp that is far off costs its scan and nothing else") {
+TEST_CASE("a single wrong stamp costs its scan and nothing else") {
   const int off = 15;
   for (const std::int64_t utime : {std::int64_t{0}, std::int64_t{1}, std::int64_t{1} << 62,
                                    utime_of(off) + 3600 * kSecond, utime_of(off) - 3 * kSecond}) {
@@ -91,7 +91,7 @@ TEST_CASE("one stamp that is far off costs its scan and nothing else") {
   }
 }
 
-TEST_CASE("a clock that steps costs two scans and leaves map and epoch and is named") {
+TEST_CASE("a clock step costs two scans, keeps map and epoch, and is reported") {
   const int step = 15;
   for (const std::int64_t by : {-kSecond / 2, -5 * kSecond, -utime_of(0) + kSecond, 86400 * kSecond}) {
     CAPTURE(by);
@@ -120,7 +120,7 @@ TEST_CASE("scans without stamps take the times of their events") {
   CHECK(outcome.status.scans_without_time == 10);
 }
 
-TEST_CASE("two publishers on one channel are found out by their clocks and by their places") {
+TEST_CASE("two publishers on one channel are detected by their clocks and by their poses") {
   std::vector<Event> clocks = short_drive(), places = short_drive();
   for (int i = 0; i < kScans; ++i) {
     // Scans of another drive, 30 m aside and turned, between the scans of the first drive.
@@ -137,7 +137,7 @@ TEST_CASE("two publishers on one channel are found out by their clocks and by th
   CHECK_FALSE(contains(replay(short_drive()).result.errors, "two publishers"));
 }
 
-TEST_CASE("scanlockd and scanlock-odometry give the same bytes for a log with all that can come") {
+TEST_CASE("scanlockd and scanlock-odometry write the same bytes for a log with faults and a reset") {
   const TemporaryFolder folder;
   std::vector<Event> events = short_drive();
   events[5].data.resize(100);                 // damaged
@@ -202,7 +202,7 @@ TEST_CASE("scanlockd and scanlock-odometry give the same bytes for a log with al
   CHECK(jump > 2 * local_jump);
 }
 
-TEST_CASE("a replay from a file loses nothing") {
+TEST_CASE("a replay from a file gives a pose for every scan") {
   const TemporaryFolder folder;
   write_log(folder / "in.lcmlog", drive(16, 16, 900));
   const Result result = run(folder, {"scanlockd", "-l", "file://" + (folder / "in.lcmlog") + "?speed=0",
@@ -214,7 +214,7 @@ TEST_CASE("a replay from a file loses nothing") {
   CHECK(worst_error(poses, 16) < 0.05);
 }
 
-TEST_CASE("a replay in which no scan was used fails and says why") {
+TEST_CASE("a replay in which no scan was used fails with the reason") {
   std::vector<Event> elsewhere = short_drive(3), far = short_drive(3);
   for (Event& event : elsewhere) event.channel = "VELODYNE";
   const Outcome wrong_channel = replay(elsewhere);

@@ -106,7 +106,7 @@ int run_and_kill(const DriveWithACarry& drive, const Network& network, const Tem
 
 }  // namespace
 
-TEST_CASE("after kill -9 it finds its place in the saved map and goes on in the same frame" *
+TEST_CASE("after kill -9 the daemon relocalises in the saved map and goes on in the same frame" *
           doctest::test_suite("long drives")) {
   const Network network;
   if (!network.lack().empty()) {
@@ -161,7 +161,7 @@ TEST_CASE("after kill -9 it finds its place in the saved map and goes on in the 
   CHECK_FALSE(std::filesystem::exists(file + ".old"));
 }
 
-TEST_CASE("a map file that was written halfway stops the start and is named") {
+TEST_CASE("an incomplete map file stops the start and is named") {
   const TemporaryFolder folder;
   const std::string file = folder / "half.map";
   scanlock::SavedMap map;

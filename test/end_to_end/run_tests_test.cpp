@@ -36,7 +36,7 @@ RunnerOutcome outcome_of(int count, const std::string& body) {
 
 }  // namespace
 
-TEST_CASE("the runner of tests tells what passed, failed and was skipped") {
+TEST_CASE("the test runner reports passed, failed and skipped test cases") {
   const RunnerOutcome good = outcome_of(2,
                                         "record begun a; record passed 0.1 a\n"
                                         "record begun b; record skipped 0.1 b: no network\n");
@@ -49,7 +49,7 @@ TEST_CASE("the runner of tests tells what passed, failed and was skipped") {
   CHECK(bad.results == "passed\nfailed test_io: a\n");
 }
 
-TEST_CASE("the runner of tests counts a crash and what did not run behind it as failed") {
+TEST_CASE("the test runner counts a crash, the test cases after it and a leak as failed") {
   const RunnerOutcome crashed = outcome_of(3,
                                            "record begun a; record passed 0.1 a\n"
                                            "record begun b\nexit 134\n");
@@ -61,7 +61,7 @@ TEST_CASE("the runner of tests counts a crash and what did not run behind it as 
   CHECK(leaked.results == "failed test_io: after its last test case (ended with 23)\n");
 }
 
-TEST_CASE("the runner of tests fails where no test case ran") {
+TEST_CASE("the test runner fails where no test case ran") {
   const RunnerOutcome silent = outcome_of(1, "");
   CHECK(silent.code == 1);
   CHECK(silent.results == "failed test_io: a test case behind it did not run\n");

@@ -50,8 +50,9 @@ PointCloud room() {
 
 }  // namespace
 
-TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in it and does not write it" *
-          doctest::test_suite("long drives")) {
+TEST_CASE(
+    "a robot is relocalised and tracked in a bare cloud of another drive, and the cloud is not modified" *
+    doctest::test_suite("long drives")) {
   const TemporaryFolder folder;
   const std::string log = folder / "map.lcmlog", other = folder / "run.lcmlog";
   const std::vector<std::string> drive = {"--world", "indoor", "--seconds", "10", "--seed", "31"};
@@ -115,7 +116,7 @@ TEST_CASE("a robot finds its place in a bare cloud of another drive, tracks in i
   CHECK(read_map(folder / "grown.map").keyframes.size() > 3);
 }
 
-TEST_CASE("a replay in the map of another place says that the place was not found") {
+TEST_CASE("a replay in the map of another site reports that the robot was not found") {
   const TemporaryFolder folder;
   write_cloud(folder / "room.ply", room());
   const Result result =
@@ -184,7 +185,7 @@ TEST_CASE("a cloud in UTM becomes, with --offset, the map of the same cloud near
   CHECK(contains(cloud.errors, "--offset needs a cloud IN and a map OUT"));
 }
 
-TEST_CASE("a cloud and a map say what they become where OUT names something else") {
+TEST_CASE("converting a cloud or a map to a file of another type fails with the types that it can become") {
   const TemporaryFolder folder;
   write_cloud(folder / "room.ply", room());
   write_map(folder / "site.map", {});
@@ -200,7 +201,7 @@ TEST_CASE("a cloud and a map say what they become where OUT names something else
   }
 }
 
-TEST_CASE("what no map can be made of is exit 1 and one line that names it and says why") {
+TEST_CASE("a file that no map can be made of is exit 1 and one line with its name and the reason") {
   const TemporaryFolder folder;
   const std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex ",
                     columns = "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
@@ -245,7 +246,7 @@ TEST_CASE("maps without an overlap are not merged, and nothing is written") {
   CHECK(contains(none.errors, "n.map: no such file"));
 }
 
-TEST_CASE("what is no map to start in is an error with its name and a reason") {
+TEST_CASE("an invalid start map is an error with its name and the reason") {
   const TemporaryFolder folder;
   const std::string log = std::string(SCANLOCK_SOURCE_DIR) + "/test/logs/drive_urban.lcmlog";
   PointCloud wall;

@@ -27,7 +27,7 @@ const char* const kPrograms[] = {"scanlock-align",    "scanlock-command",  "scan
 
 }  // namespace
 
-TEST_CASE("every program tells its help and version on standard output") {
+TEST_CASE("every program prints its help and version on standard output") {
   const TemporaryFolder folder;
   for (const std::string program : kPrograms) {
     for (const std::string flag : {"-h", "--help"}) {
@@ -47,7 +47,7 @@ TEST_CASE("every program tells its help and version on standard output") {
   }
 }
 
-TEST_CASE("wrong usage is exit 2 and one line that names the program and what was probably meant") {
+TEST_CASE("wrong usage is exit 2 and one line with the name of the program and a suggestion") {
   const TemporaryFolder folder;
   struct Wrong {
     CommandLine command;
@@ -132,7 +132,7 @@ static std::size_t longest_number(const std::string& text) {
   return longest;
 }
 
-TEST_CASE("what people read is labelled and has few digits; the transform alone is for a script") {
+TEST_CASE("text output is labelled and has at most 6 digits, and standard output holds the transform alone") {
   const TemporaryFolder folder;
   const std::string cloud = folder / "cloud.ply", log = folder / "a.lcmlog";
   scanlock::write_cloud(cloud, corner(1));
@@ -154,7 +154,7 @@ TEST_CASE("what people read is labelled and has few digits; the transform alone 
   }
 }
 
-TEST_CASE("scanlock-spy names all that it lacks at once, with the command that installs it") {
+TEST_CASE("scanlock-spy lists all missing parts at once, with the command that installs them") {
   const TemporaryFolder folder;
   const std::string spy = folder / "bin/scanlock-spy";
   fs::create_directory(folder / "bin");
@@ -168,7 +168,7 @@ TEST_CASE("scanlock-spy names all that it lacks at once, with the command that i
   CHECK(contains(result.errors, ", then run cmake and build scanlock (or its package) again\n"));
 }
 
-TEST_CASE("scripts tell their help and wrong usage without installing or building anything") {
+TEST_CASE("scripts print their help and refuse wrong usage without installing or building anything") {
   const TemporaryFolder folder;
   const std::string touched = folder / "touched";
   for (const std::string program : {"apt-get", "dpkg-query", "sudo", "cmake", "ninja"}) {

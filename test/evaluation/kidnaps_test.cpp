@@ -54,7 +54,7 @@ KidnapReport examine(const KidnappedDrive& drive) {
 
 }  // namespace
 
-TEST_CASE("a fast drive with bends and gaps is no kidnap") {
+TEST_CASE("a fast drive with bends and missing poses contains no kidnap") {
   Trajectory truth;
   Pose pose = Pose::Identity();
   for (int i = 0; i < 300; ++i) {
@@ -65,7 +65,7 @@ TEST_CASE("a fast drive with bends and gaps is no kidnap") {
   CHECK(find_kidnaps({}).empty());
 }
 
-TEST_CASE("a kidnap is found by its place or by its turn alone") {
+TEST_CASE("a kidnap is detected by a jump of the position or by a jump of the attitude") {
   const auto kidnaps = find_kidnaps(kidnapped_drive(1).truth);
   REQUIRE(kidnaps.size() == 1);
   CHECK(kidnaps[0].index == 50);
@@ -76,7 +76,7 @@ TEST_CASE("a kidnap is found by its place or by its turn alone") {
   CHECK(find_kidnaps(turned).size() == 1);
 }
 
-TEST_CASE("a robot that is turned round and driven on backwards is kidnapped once") {
+TEST_CASE("a robot that is turned round and driven backwards counts as one kidnap") {
   Trajectory truth;
   Pose pose = Pose::Identity();
   for (int i = 0; i < 100; ++i) {
@@ -87,7 +87,7 @@ TEST_CASE("a robot that is turned round and driven on backwards is kidnapped onc
   CHECK(find_kidnaps(truth).size() == 1);
 }
 
-TEST_CASE("the time until the estimate is back and stays") {
+TEST_CASE("the recovery time lasts until the estimate is right and stays right") {
   const KidnapReport report = examine(kidnapped_drive(1.3));
   REQUIRE(report.kidnaps.size() == 1);
   REQUIRE(report.kidnaps[0].recovery_s);
@@ -96,14 +96,14 @@ TEST_CASE("the time until the estimate is back and stays") {
   CHECK(report.reference_from_estimate.isApprox(kElsewhere, 1e-9));
 }
 
-TEST_CASE("never back is no number") {
+TEST_CASE("without a recovery there is no recovery time") {
   const KidnapReport report = examine(kidnapped_drive(100));
   REQUIRE(report.kidnaps.size() == 1);
   CHECK_FALSE(report.kidnaps[0].recovery_s);
   CHECK(report.wrong_jumps == 0);
 }
 
-TEST_CASE("a glimpse of the right place is not enough") {
+TEST_CASE("a right pose that is lost again does not end the recovery time") {
   KidnappedDrive drive = kidnapped_drive(1.3);
   for (int i = 66; i < 80; ++i) drive.states[static_cast<std::size_t>(i)].state = TrackingState::kLost;
   const KidnapReport report = examine(drive);
@@ -111,13 +111,13 @@ TEST_CASE("a glimpse of the right place is not enough") {
   CHECK(*report.kidnaps[0].recovery_s == doctest::Approx(3.0).epsilon(1e-3));
 }
 
-TEST_CASE("a claim to track elsewhere is one wrong jump") {
+TEST_CASE("TRACKING at a wrong pose after a kidnap is one wrong jump") {
   const KidnapReport report = examine(kidnapped_drive(1.3, exp6(0, 12, 0, 0, 0, 0)));
   CHECK(report.wrong_jumps == 1);
   CHECK_FALSE(report.kidnaps[0].recovery_s);
 }
 
-TEST_CASE("to go on in a new map is no wrong claim, unless it is the old epoch or a jump") {
+TEST_CASE("TRACKING in a new map is no wrong jump, unless the epoch is the old one or the pose jumps") {
   const auto drive_on = [](std::uint32_t epoch, double jump_m) {
     KidnappedDrive drive = kidnapped_drive(100);
     for (std::size_t i = 100; i < drive.states.size(); ++i) {
@@ -132,20 +132,20 @@ TEST_CASE("to go on in a new map is no wrong claim, unless it is the old epoch o
   CHECK(drive_on(1, 10) == 1);
 }
 
-TEST_CASE("a kidnap that is not noticed is a wrong claim") {
+TEST_CASE("TRACKING through a kidnap is one wrong jump") {
   KidnappedDrive drive = kidnapped_drive(100);
   for (StampedState& state : drive.states) state.state = TrackingState::kTracking;
   CHECK(examine(drive).wrong_jumps == 1);
 }
 
-TEST_CASE("a kidnap after which it hesitates and goes on is a wrong claim") {
+TEST_CASE("TRACKING after two DEGRADED poses at a kidnap is one wrong jump") {
   KidnappedDrive drive = kidnapped_drive(100);
   for (std::size_t i = 0; i < drive.states.size(); ++i)
     drive.states[i].state = i == 50 || i == 51 ? TrackingState::kDegraded : TrackingState::kTracking;
   CHECK(examine(drive).wrong_jumps == 1);
 }
 
-TEST_CASE("what drifts before the kidnap and says so does not shift what was right") {
+TEST_CASE("drift in DEGRADED poses before a kidnap is no wrong jump and does not change the recovery time") {
   KidnappedDrive drive = kidnapped_drive(1.0);
   for (std::size_t i = 20; i < 50; ++i) {
     drive.states[i].state = TrackingState::kDegraded;
@@ -158,7 +158,7 @@ TEST_CASE("what drifts before the kidnap and says so does not shift what was rig
   CHECK(*report.kidnaps[0].recovery_s == doctest::Approx(1.0).epsilon(1e-3));
 }
 
-TEST_CASE("a later start is no excuse for a wrong place") {
+TEST_CASE("a wrong pose after a second INITIALISING state is a wrong jump") {
   KidnappedDrive drive = kidnapped_drive(1);
   for (std::size_t i = 30; i < 40; ++i)
     drive.estimate[i].pose = drive.estimate[i].pose * exp6(0, 5, 0, 0, 0, 0);
@@ -166,7 +166,7 @@ TEST_CASE("a later start is no excuse for a wrong place") {
   CHECK(examine(drive).wrong_jumps == 1);
 }
 
-TEST_CASE("a start that drifts is no wrong jump, wherever the rest of the drive lays it") {
+TEST_CASE("drift from the start of the drive is no wrong jump, but the same poses after LOST are one") {
   KidnappedDrive drive = kidnapped_drive(1);
   for (std::size_t i = 0; i < 20; ++i)  // 4 m in two seconds
     drive.estimate[i].pose =
@@ -176,7 +176,7 @@ TEST_CASE("a start that drifts is no wrong jump, wherever the rest of the drive 
   CHECK(examine(drive).wrong_jumps == 1);
 }
 
-TEST_CASE("drift is no wrong jump and unknown states are said to be unknown") {
+TEST_CASE("drift is no wrong jump, and without states the number of wrong jumps is unknown") {
   KidnappedDrive drive = kidnapped_drive(1.3);
   for (std::size_t i = 80; i < 150; ++i)
     drive.estimate[i].pose.translation().z() += 0.1 * static_cast<double>(i - 80);

@@ -34,7 +34,8 @@ PointCloud room_with_wall() {
 
 }  // namespace
 
-TEST_CASE("the picture of a map shows walls and no floor, the way, and where it was found, when and why") {
+TEST_CASE(
+    "a map picture shows walls without the floor, the path, and each relocalisation with time and reason") {
   MapPicture picture;
   picture.map = room_with_wall();
   picture.ways = {{{1, 1, 0}, {4, 1, 0}}, {{6, 1, 0}, {9, 1, 0}}};

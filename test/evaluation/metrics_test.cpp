@@ -74,7 +74,7 @@ TEST_CASE("one percent of scale is one percent at every length") {
   CHECK(result.ate_m.rmse == doctest::Approx(0.01 * std::sqrt(1000 * 2001 / 6.0)));
 }
 
-TEST_CASE("a turn of a tenth of a degree a metre is told as that") {
+TEST_CASE("a heading error of 0.1 degrees per metre is reported as such") {
   const Evaluation result = evaluate(straight(201, 1, 0.1 * kPi / 180), 201, Overlay::kNone);
   for (const auto& rpe : result.rpe) CHECK(rpe.value().deg_per_m == doctest::Approx(0.1));
   CHECK(result.ate_m.max == 0);
@@ -83,7 +83,7 @@ TEST_CASE("a turn of a tenth of a degree a metre is told as that") {
         doctest::Approx(0).epsilon(1e-9));
 }
 
-TEST_CASE("lengths for which the way is too short have no value") {
+TEST_CASE("lengths that exceed the path have no value") {
   const Evaluation result = evaluate(straight(51, 1), 51, Overlay::kNone);
   CHECK(result.rpe[0]);
   CHECK(result.rpe[1]);
@@ -91,7 +91,7 @@ TEST_CASE("lengths for which the way is too short have no value") {
   CHECK_FALSE(result.kitti);
 }
 
-TEST_CASE("a stretch is divided by the way it really covers") {
+TEST_CASE("the relative error of a segment is divided by its real length") {
   // 3 m from pose to pose, so that the first pose at least 1 m further on is 3 m further on.
   Trajectory estimate, reference;
   for (int i = 0; i < 5; ++i) {
@@ -101,7 +101,7 @@ TEST_CASE("a stretch is divided by the way it really covers") {
   CHECK(relative_error(match_by_time(estimate, reference), 1).value().percent == doctest::Approx(10));
 }
 
-TEST_CASE("overlays take out exactly what they are allowed to") {
+TEST_CASE("each overlay removes exactly the motion that it may remove") {
   std::mt19937 rng(4);
   std::uniform_real_distribution<double> uniform(-1, 1);
   Vector6 xi;

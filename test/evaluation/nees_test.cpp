@@ -84,7 +84,7 @@ TEST_CASE("NEES of a known error in a known covariance, in frames that differ") 
     }
 }
 
-TEST_CASE("NEES is taken every 5 m, on ways of more than 200 m every 50 m") {
+TEST_CASE("NEES is taken every 5 m, and every 50 m on paths of more than 200 m") {
   const auto marked = [](int every) { return [every](int k) { return error_of(k % every == 0 ? 20 : 1); }; };
   const Drive at_200 = drive_of(201, marked(50)), at_500 = drive_of(501, marked(100));
   const auto short_way = normalised_error(at_200.pairs, at_200.states, kNever);
@@ -98,7 +98,7 @@ TEST_CASE("NEES is taken every 5 m, on ways of more than 200 m every 50 m") {
   CHECK(long_way->mean == doctest::Approx(10.5));
 }
 
-TEST_CASE("NEES leaves out what does not track, and takes the next pose that does") {
+TEST_CASE("NEES skips poses that do not track, and takes the next pose that does") {
   Drive drive = drive_of(31, [](int k) { return error_of(k); });
   drive.states[5].state = TrackingState::kRecovering;
   drive.states[6].state = TrackingState::kDegraded;
@@ -189,7 +189,7 @@ TEST_CASE("NEES of a log is that of the poses and covariances in its scanlock.od
   CHECK(nees->mean == doctest::Approx(7).epsilon(1e-6));
 }
 
-TEST_CASE("NEES is not known without covariances, and infinite where one is none") {
+TEST_CASE("NEES is unknown without covariances, and infinite with an invalid covariance") {
   Drive drive = drive_of(51, [](int) { return error_of(1); });
   CHECK_FALSE(normalised_error(drive.pairs, {}, kNever));
   CHECK_FALSE(normalised_error({}, drive.states, kNever));

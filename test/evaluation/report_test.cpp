@@ -57,7 +57,7 @@ bool is_balanced(const std::string& xml) {
 
 }  // namespace
 
-TEST_CASE("thinning keeps the ends and the corners and drops what lies on the line") {
+TEST_CASE("thinning keeps the ends and the corners and drops points on the line") {
   Points2 line;
   for (int i = 0; i <= 100; ++i) line.push_back({i, 0.05 * (i % 2)});
   for (int i = 1; i <= 100; ++i) line.push_back({100, i});
@@ -100,7 +100,7 @@ TEST_CASE("picture holds both trajectories compactly and survives any name") {
   CHECK(count(svg, "inf") == 0);
 }
 
-TEST_CASE("picture of a single pose and of a sensor that stands still has no bad numbers") {
+TEST_CASE("a picture of a single pose and of a sensor at rest contains neither nan nor inf") {
   for (const int poses : {1, 5}) {
     Comparison comparison = loop_of(poses);
     for (auto& stamped : comparison.reference) stamped.pose.setIdentity();
@@ -127,7 +127,7 @@ TEST_CASE("page is self-contained and holds the numbers") {
   CHECK(count(html, "0.500 m") >= 1);  // the shift by half a metre
 }
 
-TEST_CASE("what the covariances are worth is one row, where it is known") {
+TEST_CASE("the results have a row for NEES where it is known") {
   Comparison comparison = loop_of(100);
   const auto without = result_rows(comparison);
   comparison.nees = Nees{2.345, 0.25, 12, 3};
@@ -137,7 +137,7 @@ TEST_CASE("what the covariances are worth is one row, where it is known") {
   CHECK(rows.back().second == "2.35 (mean of 12 poses), 3 expected; 25.0 % beyond 11.34, 1 % expected");
 }
 
-TEST_CASE("a kidnap is marked and what does not track is drawn apart") {
+TEST_CASE("a kidnap is marked, and poses that do not track are drawn separately") {
   Comparison comparison = loop_of(600);
   CHECK(count(trajectory_svg(comparison), "class=\"kidnap\"") == 0);
   CHECK(count(trajectory_svg(comparison), "class=\"lost\"") == 0);

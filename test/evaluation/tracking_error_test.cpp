@@ -45,7 +45,7 @@ struct BendingDrive {
 
 }  // namespace
 
-TEST_CASE("errors while tracking know nothing of a kidnap, and those until the return all of it") {
+TEST_CASE("errors while tracking exclude a kidnap, and errors until the recovery contain all of it") {
   BendingDrive drive;
   drive.kidnap(120);
   drive.say(102, 120, TrackingState::kRecovering);
@@ -60,7 +60,7 @@ TEST_CASE("errors while tracking know nothing of a kidnap, and those until the r
   CHECK(split.away[0].ate_m->rmse == doctest::Approx(8).epsilon(0.02));
 }
 
-TEST_CASE("relative errors while tracking bridge no gap") {
+TEST_CASE("relative errors while tracking do not span a kidnap") {
   BendingDrive drive;
   drive.kidnap(120);
   const SplitErrors split = drive.split();
@@ -70,7 +70,7 @@ TEST_CASE("relative errors while tracking bridge no gap") {
   CHECK(relative_error(match_by_time(drive.estimate, drive.truth), 10)->percent > 4);
 }
 
-TEST_CASE("without a return, all that follows a kidnap is apart from tracking") {
+TEST_CASE("without a recovery, all poses after a kidnap are excluded from tracking") {
   BendingDrive drive;
   drive.kidnap(1000);
   const SplitErrors split = drive.split();
@@ -79,7 +79,7 @@ TEST_CASE("without a return, all that follows a kidnap is apart from tracking") 
   CHECK(split.away[0].poses == 100);
 }
 
-TEST_CASE("poses that do not claim to track are left out, DEGRADED ones do; without states all count") {
+TEST_CASE("LOST and INITIALISING poses are left out, DEGRADED ones count; without states all poses count") {
   BendingDrive drive;
   drive.say(0, 1, TrackingState::kInitialising);
   drive.say(50, 60, TrackingState::kDegraded);
@@ -93,7 +93,7 @@ TEST_CASE("poses that do not claim to track are left out, DEGRADED ones do; with
   CHECK(drive.split().tracking->ate_m.max > 4.9);
 }
 
-TEST_CASE("too few tracked poses for the overlay give no error while tracking") {
+TEST_CASE("an overlay with too few tracked poses gives no error while tracking") {
   BendingDrive drive;
   drive.say(0, 198, TrackingState::kLost);
   const PosePairs pairs = match_by_time(drive.estimate, drive.truth);

@@ -84,7 +84,7 @@ const std::vector<Range> kRanges = {
 
 }  // namespace
 
-TEST_CASE("elementary functions are as accurate as they say") {
+TEST_CASE("elementary functions are as accurate as documented") {
   if (std::numeric_limits<long double>::digits < 64) return;  // no reference of higher precision
   std::mt19937_64 random(7);
   const auto draw = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
@@ -184,7 +184,7 @@ TEST_CASE("elementary functions are right at the ends of their ranges") {
   CHECK(hypot(Limits::denorm_min(), 0.0) == Limits::denorm_min());
 }
 
-TEST_CASE("the arc tangent knows zeros and infinities with their signs") {
+TEST_CASE("the arc tangent handles zeros and infinities with their signs") {
   for (double y : {-kInfinity, -Limits::max(), -1.0, -Limits::denorm_min(), -0.0, 0.0, Limits::denorm_min(),
                    1.0, Limits::max(), kInfinity}) {
     for (double x : {-kInfinity, -Limits::max(), -1.0, -Limits::denorm_min(), -0.0, 0.0, Limits::denorm_min(),
@@ -204,7 +204,7 @@ TEST_CASE("the arc tangent knows zeros and infinities with their signs") {
   CHECK(atan2(1.0, 1.0) == kPi / 4);
 }
 
-TEST_CASE("sine and cosine of any number are of one angle, the same for both signs") {
+TEST_CASE("sine and cosine of any number belong to one angle, and are symmetric in its sign") {
   std::mt19937_64 random(9);
   for (int i = 0; i < 20000; ++i) {
     const double x = std::exp2(-60 + 1083 * (static_cast<double>(random() >> 11) * 0x1p-53));
@@ -227,7 +227,7 @@ TEST_CASE("sine and cosine of any number are of one angle, the same for both sig
   CHECK(std::isnan(sincos(kInfinity).sine));
 }
 
-TEST_CASE("functions do not step back where one of their pieces meets the next") {
+TEST_CASE("elementary functions are monotonic where two pieces of their approximation meet") {
   const auto rises = [](double (*f)(double), double border) {
     const double step = std::abs(border) * 0x1p-48;
     for (int i = -64; i < 64; ++i) {
@@ -284,7 +284,7 @@ TEST_CASE("elementary functions have the same bits everywhere") {
   CHECK(lengths.value() == 0xecd1af9c9c7ad97d);
 }
 
-TEST_CASE("in float the functions are those of double, rounded") {
+TEST_CASE("functions in float are the rounded functions in double") {
   for (float x = -0.99f; x < 1; x += 0.017f) {
     const double wide = static_cast<double>(x);
     CHECK(sin(x) == static_cast<float>(sin(wide)));

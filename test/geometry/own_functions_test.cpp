@@ -45,7 +45,7 @@ class Pattern {
 
 }  // namespace
 
-TEST_CASE("what is forbidden is found") {
+TEST_CASE("forbidden functions are found, and no others") {
   const Pattern foreign(kForeign), own(kOwn);
   for (const char* line : {"x = std::sin(y);", "std::atan2(y, x)", "std::log1pf(x)", "Eigen::AngleAxisd a;",
                            "a.slerp(t, b)", "long double x;", "std::normal_distribution<double> d;"})

@@ -61,7 +61,7 @@ TEST_CASE("rigid_fit is a minimum of the weighted squares") {
   }
 }
 
-TEST_CASE("rigid_fit never mirrors and leaves what is open as it is") {
+TEST_CASE("rigid_fit never mirrors and leaves unconstrained directions unchanged") {
   PairSums mirrored, one_point, line, none;
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d e = Eigen::Vector3d::Unit(i) * (1.0 + i);

@@ -24,7 +24,7 @@ Vector6 random_twist(std::mt19937& rng, double angle) {
 
 }  // namespace
 
-TEST_CASE("the least rotation turns one direction into the other, about what is across both") {
+TEST_CASE("the least rotation turns one direction into the other, about an axis perpendicular to both") {
   std::mt19937 rng(2);
   std::normal_distribution<double> normal;
   for (int trial = 0; trial < 100; ++trial) {
@@ -60,7 +60,7 @@ TEST_CASE("logarithm of SE3 inverts the exponential to 1e-12 from 0 to pi") {
   CHECK(se3_log(Pose::Identity()).norm() == 0.0);
 }
 
-TEST_CASE("logarithm does not lose the small rotations between two scans") {
+TEST_CASE("the logarithm keeps the small rotations between two scans") {
   for (double degrees : {0.01, 0.05, 0.08, 0.0802, 0.1, 0.2}) {
     const double angle = degrees * kDegree;
     const Eigen::Vector3d phi =

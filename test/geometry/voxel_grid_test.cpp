@@ -56,7 +56,7 @@ TEST_CASE("thinning does not depend on the order of the points") {
   CHECK(a.time == b.time);
 }
 
-TEST_CASE("a cloud that is thinned while it is gathered is the one that is thinned at the end") {
+TEST_CASE("a cloud that is thinned while it is gathered equals the cloud thinned at the end") {
   const PointCloud cloud = random_cloud(1200000, 4);
   ThinnedCloud gathered(0.1f);
   std::size_t greatest = 0;
@@ -73,7 +73,7 @@ TEST_CASE("a cloud that is thinned while it is gathered is the one that is thinn
   CHECK(greatest < cloud.size());
 }
 
-TEST_CASE("thinning leaves out what no voxel can hold") {
+TEST_CASE("thinning drops points that are not finite or outside the range of the voxels") {
   scanlock::PointCloud cloud;
   cloud.push_back(std::numeric_limits<float>::quiet_NaN(), 0, 0);
   cloud.push_back(0, std::numeric_limits<float>::infinity(), 0);

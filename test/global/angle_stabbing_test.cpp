@@ -40,7 +40,7 @@ TEST_CASE("Intervals hold the angles that bring p within e of q, and no others")
   }
 }
 
-TEST_CASE("The cosine takes the square of the threshold, not the threshold") {
+TEST_CASE("The width of an interval follows from the squared threshold") {
   // p and q one metre from the axis, e = 0.1: the half angle is 2 asin(e / 2), not acos((2 - 0.1) / 2).
   AngleInterval interval;
   REQUIRE(reach_of(1, 0, 1, 1, 0.1, interval) == AngleReach::kInterval);
@@ -57,7 +57,7 @@ TEST_CASE("Points on the axis are reached by all angles or by none") {
   CHECK(reach_of(0.1, 2, 0, 0, 0.1, interval) == AngleReach::kAlways);  // the ball just reaches it
 }
 
-TEST_CASE("Stabbing sees intervals across 2 pi") {
+TEST_CASE("Stabbing handles intervals across 2 pi") {
   AngleStabber stabber;
   stabber.add({2 * kPi - 0.2, 0.3});  // to 0.1
   stabber.add({0.05, 0.5});           // from 0.05

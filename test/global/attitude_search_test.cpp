@@ -76,7 +76,7 @@ TEST_CASE("of several attitudes the one with the largest consensus is found, wha
   }
 }
 
-TEST_CASE("the search is not made again for its runner-up") {
+TEST_CASE("the runner-up needs no second search") {
   const Slopes slopes(3);
   const Vector3d up = slopes.ups.front();
   Matches turned = slopes.matches;
@@ -89,7 +89,7 @@ TEST_CASE("the search is not made again for its runner-up") {
   CHECK(found.nodes == register_matches(turned, alone).nodes);
 }
 
-TEST_CASE("work is bounded over all attitudes, and what was not looked at is not ruled out") {
+TEST_CASE("the work limit holds for all attitudes together, and unsearched attitudes are not ruled out") {
   const Slopes slopes(3);
   MatchRegistrationOptions options;
   std::vector<Vector3d> ups;
@@ -103,7 +103,7 @@ TEST_CASE("work is bounded over all attitudes, and what was not looked at is not
   CHECK(some.upper_bound >= all.consensus);
 }
 
-TEST_CASE("the middle of directions") {
+TEST_CASE("the mean direction, also of no directions and of opposite ones") {
   const Vector3d z = Vector3d::UnitZ(), aside = Vector3d(0.1, 0, 1).normalized();
   CHECK(middle_of({}) == z);
   CHECK(middle_of({aside}) == aside);
@@ -111,7 +111,7 @@ TEST_CASE("the middle of directions") {
   CHECK(middle_of({aside, -aside}) == aside);
 }
 
-TEST_CASE("of several attitudes none has enough matches") {
+TEST_CASE("without enough matches at any attitude the consensus is 0, and its bound is below the minimum") {
   MatchSampler sample(5);
   const Matches matches = sample.matches(200, 0, Pose::Identity(), 20, 0);
   const MatchRegistration found =

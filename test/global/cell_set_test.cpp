@@ -9,7 +9,7 @@
 
 using namespace scanlock;
 
-TEST_CASE("A set of cells holds what was put into it and nothing else") {
+TEST_CASE("A set of cells contains exactly the inserted cells") {
   std::mt19937_64 random(3);
   CellSet cells;
   std::set<std::uint64_t> known;

@@ -52,7 +52,7 @@ CloudFit fit(PointCloud source, PointCloud target, ContradictionOf whose = Contr
 
 }  // namespace
 
-TEST_CASE("a wall that the other cloud's rays went through contradicts") {
+TEST_CASE("a wall that rays of the other cloud passed through is a contradiction") {
   const Eigen::Vector3f left(-2, 0, 0), right(2, 0, 0);
   const CloudFit same = fit(room(left), room(right));
   CHECK(same.overlap > 0.95);
@@ -67,7 +67,7 @@ TEST_CASE("a wall that the other cloud's rays went through contradicts") {
   CHECK(no_wall.missing > 0.1);
 }
 
-TEST_CASE("what its own cloud saw through has moved, and contradicts nothing") {
+TEST_CASE("points in the free space of their own cloud have moved, and are no contradiction") {
   const Eigen::Vector3f left(-2, 0, 0), right(2, 0, 0);
   const PointCloud before = half_room(right), after = room(left);  // a person stood in front of the sensor
   PointCloud both = before;
@@ -80,7 +80,7 @@ TEST_CASE("what its own cloud saw through has moved, and contradicts nothing") {
   CHECK(fit(after, both).contradiction < 0.01);
 }
 
-TEST_CASE("what is above all that the other cloud tells of its column does not count as missing there") {
+TEST_CASE("points above the known part of a column of the other cloud do not count as missing") {
   const Eigen::Vector3f left(-2, 0, 0), right(2, 0, 0);
   const PointCloud tall = room(left);
   PointCloud low, beside;
@@ -98,7 +98,7 @@ TEST_CASE("what is above all that the other cloud tells of its column does not c
   CHECK(fit(beside, low).least_overlap < 0.3);
 }
 
-TEST_CASE("the coarse fit is about that of all points") {
+TEST_CASE("the coarse fit separates the right attitude from one that is off by 0.7 rad") {
   const Eigen::Vector3f left(-2, 0, 0), right(2, 0, 0);
   PointCloud source = room(left), target = room(right);
   add_normals(&source, 2.5f * kSpacing);
@@ -112,7 +112,7 @@ TEST_CASE("the coarse fit is about that of all points") {
   CHECK(coarse_fit(s, t, turned, 200).contradiction > 0.1);
 }
 
-TEST_CASE("clouds of nothing fit nothing") {
+TEST_CASE("a fit with an empty cloud has no overlap") {
   PointCloud nothing = room({0, 0, 0}), empty;
   add_normals(&nothing, 0.5f);
   const CloudCheck some(nothing, 0.2), none(empty, 0.2);

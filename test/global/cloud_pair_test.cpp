@@ -12,7 +12,7 @@
 
 namespace scanlock {
 
-TEST_CASE("a right pose is not left for another one that a dozen matches hold") {
+TEST_CASE("refinement does not leave a right pose for a pose that only a dozen matches support") {
   constexpr double kEpsilon = 0.4;
   constexpr std::size_t kDozen = 12;
   DescriptionOptions options;

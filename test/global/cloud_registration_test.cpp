@@ -57,7 +57,7 @@ PointCloud scanned_corridor(unsigned sampling) {
 
 }  // namespace
 
-TEST_CASE("two looks at one yard register for certain, whatever the yaw") {
+TEST_CASE("two clouds of one yard have the verdict certain, at several yaws") {
   for (const double yaw : {0.3, 2.0, -2.8}) {
     const Pose truth = level_pose(yaw, 4, -3, 0.2);
     const PointCloud target = yard(1, 20), source = moved(yard(1, 21), truth.inverse());
@@ -75,7 +75,7 @@ TEST_CASE("two looks at one yard register for certain, whatever the yaw") {
   }
 }
 
-TEST_CASE("yards of different places do not register for certain") {
+TEST_CASE("clouds of different yards do not have the verdict certain") {
   for (const unsigned other : {5u, 6u, 7u}) {
     const CloudRegistration found = registered(yard(other, 1), yard(1, 2));
     CHECK(found.verdict != GlobalVerdict::kCertain);
@@ -84,24 +84,24 @@ TEST_CASE("yards of different places do not register for certain") {
   }
 }
 
-TEST_CASE("a shift along a bare corridor is never certain") {
+TEST_CASE("a shift along a bare corridor does not have the verdict certain") {
   const Pose truth = level_pose(0, 3, 0, 0);
   const CloudRegistration found = registered(moved(corridor(1), truth.inverse()), corridor(2));
   CHECK(found.verdict != GlobalVerdict::kCertain);
 }
 
-TEST_CASE("that a corridor looks the same to a scanner makes no pose certain") {
+TEST_CASE("two scans of a corridor of constant section do not have the verdict certain") {
   const CloudRegistration found = registered(scanned_corridor(31), scanned_corridor(32));
   CHECK(found.verdict != GlobalVerdict::kCertain);
 }
 
-TEST_CASE("a tunnel that goes on as it was makes no pose certain") {
+TEST_CASE("two scans of a tunnel of constant section have the verdict ambiguous") {
   const CloudRegistration found = registered(scanned_tunnel(1), scanned_tunnel(2));
   CHECK(found.fit.overlap > 0.5);
   CHECK(found.verdict == GlobalVerdict::kAmbiguous);
 }
 
-TEST_CASE("any axis may be up") {
+TEST_CASE("the up direction may be any axis, but not the zero vector") {
   Pose tip = Pose::Identity();
   tip.linear() = so3_exp(Eigen::Vector3d(1.2, -0.4, 0));
   const Pose level_truth = level_pose(1, 2, 1, 0);
@@ -124,7 +124,7 @@ TEST_CASE("the same clouds give the same answer") {
   CHECK(a.why == b.why);
 }
 
-TEST_CASE("all places that look alike are proposed") {
+TEST_CASE("each of three equal yards in a map gives a hypothesis") {
   const PointCloud seen = yard(5, 6);
   const std::vector<Pose> places = {level_pose(0.3, -70, 0, 0), level_pose(2, 0, 0, 0),
                                     level_pose(-1, 70, 0, 0)};
@@ -152,9 +152,7 @@ TEST_CASE("all places that look alike are proposed") {
   }
 }
 
-TEST_CASE(
-    "the odds of a place are high where the clouds fit it far better than any other, and low in another "
-    "map") {
+TEST_CASE("the log odds of a pose are above 9 in the map of its yard, and below 4 in maps of other yards") {
   DescriptionOptions description;
   description.voxel = 0.5;
   CloudRegistrationOptions options;
@@ -171,7 +169,7 @@ TEST_CASE(
     CHECK(register_clouds(seen, describe(yard(strange, 7), description), options).log_odds < 4);
 }
 
-TEST_CASE("what moved since says little against the right place, unless another one is nearly as good") {
+TEST_CASE("moved objects lower the odds of the right pose little, unless another pose fits nearly as well") {
   // Five boards in a ring, which occlude the points behind them.
   const auto with_boards = [](const PointCloud& cloud, double turn) {
     PointCloud result;
@@ -218,8 +216,7 @@ TEST_CASE("what moved since says little against the right place, unless another 
   CHECK(twice.why.find("contradict every pose") != std::string::npos);
 }
 
-TEST_CASE(
-    "that no pose has enough matches is said of all that were drawn, and only claimed where it is proven") {
+TEST_CASE("the reason for too few matches counts all matches, and states where it is not proven") {
   DescriptionOptions description;
   description.voxel = 0.5;
   description.keypoints = 60;
@@ -237,7 +234,7 @@ TEST_CASE(
   CHECK(ended.why.find("not proven") != std::string::npos);
 }
 
-TEST_CASE("nothing to register") {
+TEST_CASE("empty clouds have no overlap, and clouds of different voxel sizes are refused") {
   CHECK(registered(PointCloud{}, PointCloud{}).verdict == GlobalVerdict::kNoOverlap);
   CHECK(registered(yard(1, 1), PointCloud{}).verdict == GlobalVerdict::kNoOverlap);
   CHECK(registered(PointCloud{}, yard(1, 1)).target_from_source.matrix().allFinite());

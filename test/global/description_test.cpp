@@ -46,7 +46,7 @@ TEST_CASE("a description does not depend on the order of the points, nor on poin
   CHECK(a.descriptors == b.descriptors);
 }
 
-TEST_CASE("clouds that hold nothing to describe") {
+TEST_CASE("clouds without features have no keypoints") {
   CHECK(description_voxel(PointCloud{}) == 0);
   CHECK(describe(PointCloud{}).keypoints.empty());
   PointCloud same;

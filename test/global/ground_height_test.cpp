@@ -34,7 +34,7 @@ TEST_CASE("a sensor's height is that above the floor, not above a table or below
   CHECK(*height == doctest::Approx(1.3f));
 }
 
-TEST_CASE("a floor that begins some way off is the floor nevertheless") {
+TEST_CASE("a floor that begins 3 m from the sensor gives its height") {
   PointCloud floor;
   add_square(&floor, {3, -2, -0.9f}, 4, 1);
   add_square(&floor, {40, 0, -7}, 4, 1);  // at the foot of a hill
@@ -43,7 +43,7 @@ TEST_CASE("a floor that begins some way off is the floor nevertheless") {
   CHECK(*height == doctest::Approx(0.9f));
 }
 
-TEST_CASE("who sees nothing below does not know how high it is") {
+TEST_CASE("a cloud without a level surface below the sensor gives no height") {
   PointCloud ceiling;
   add_square(&ceiling, {-4, -4, 1.2f}, 8, 1);
   add_square(&ceiling, {-4, -4, -1.2f}, 8, 0);
@@ -51,7 +51,7 @@ TEST_CASE("who sees nothing below does not know how high it is") {
   CHECK_FALSE(height_above_ground(PointCloud(), 0.8f));
 }
 
-TEST_CASE("heights are above what is lowest nearby") {
+TEST_CASE("the height of a point is that above the lowest point nearby") {
   PointCloud cloud;
   add_square(&cloud, {0, 0, 5}, 2, 1);
   add(&cloud, {1, 1, 7}, 0);

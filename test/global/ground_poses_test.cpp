@@ -77,7 +77,7 @@ PointCloud two_storeys() {
 
 }  // namespace
 
-TEST_CASE("a sensor is looked for where others stood, turned as the surfaces are") {
+TEST_CASE("poses are at the viewpoints of the map, with yaws that align the surfaces") {
   const PointCloud target = corner();
   for (const double yaw : {0.0, 1.0, -2.5}) {
     CAPTURE(yaw);
@@ -93,7 +93,7 @@ TEST_CASE("a sensor is looked for where others stood, turned as the surfaces are
   }
 }
 
-TEST_CASE("among trunks, which look all ways, a sensor is looked for in every heading") {
+TEST_CASE("among trunks, whose normals have all directions, poses have every heading") {
   PointCloud wood;
   for (int trunk = 0; trunk < 12; ++trunk) {
     const Eigen::Vector3f foot(static_cast<float>(trunk % 4) * 3.1f, static_cast<float>(trunk / 4) * 3.7f, 1);
@@ -119,7 +119,7 @@ TEST_CASE("among trunks, which look all ways, a sensor is looked for in every he
   }
 }
 
-TEST_CASE("a sensor that is looked for on a slope stands on it") {
+TEST_CASE("with the attitudes of level ground and of a slope, half of the poses have that of the slope") {
   const PointCloud target = corner();
   const Eigen::Vector3d up = Eigen::Vector3d(0.1, 0.2, 1).normalized();
   const std::vector<Pose> poses = poses_of(target, target, {Eigen::Vector3d::UnitZ(), up});
@@ -131,7 +131,7 @@ TEST_CASE("a sensor that is looked for on a slope stands on it") {
   CHECK(2 * on_slope == static_cast<std::ptrdiff_t>(poses.size()));
 }
 
-TEST_CASE("a sensor of another height is looked for on every floor, where nobody stood") {
+TEST_CASE("a scan with a floor gives poses at its height above every floor, also far from viewpoints") {
   const PointCloud target = two_storeys();
   const Eigen::Vector3d floor = kStand - 1.2 * Eigen::Vector3d::UnitZ();
   for (const double storey : {0.0, 3.0}) {
@@ -155,7 +155,7 @@ TEST_CASE("a sensor of another height is looked for on every floor, where nobody
   }
 }
 
-TEST_CASE("clouds without steep surfaces or eyes give no guesses") {
+TEST_CASE("clouds without steep surfaces or viewpoints give no poses") {
   PointCloud level = corner();
   std::fill(level.nx.begin(), level.nx.end(), 0.0f);
   std::fill(level.ny.begin(), level.ny.end(), 0.0f);
@@ -166,7 +166,7 @@ TEST_CASE("clouds without steep surfaces or eyes give no guesses") {
   CHECK(poses_of(corner(), blind).empty());
 }
 
-TEST_CASE("of a body that stood in many ways no more poses are looked at") {
+TEST_CASE("the number of poses is limited for many body-up attitudes") {
   PointCloud target = corner();
   for (int k = 0; k < 4000; ++k) {  // visible from all positions
     target.push_back({5, 0, 1});

@@ -17,7 +17,7 @@ CloudFit fit_of(double overlap, double contradiction, std::size_t steep = 1000) 
   return fit;
 }
 
-TEST_CASE("the odds of a pose grow with overlap and lead, and fall with contradiction") {
+TEST_CASE("the odds of a pose grow with its overlap and lead, and fall with its contradiction") {
   const std::vector<CloudFit> runner_up = {fit_of(0.5, 0)};
   double last = -1e9;
   for (double overlap = 0.3; overlap < 1; overlap += 0.05) {
@@ -35,14 +35,14 @@ TEST_CASE("the odds of a pose grow with overlap and lead, and fall with contradi
   CHECK(log_odds(fit_of(0.85, 0.004), {fit_of(0.6, 0.02)}) > 5.3);
 }
 
-TEST_CASE("what hardly overlaps is no runner-up") {
+TEST_CASE("a pose with hardly any overlap is no runner-up") {
   const CloudFit right = fit_of(0.6, 0.01);
   CHECK(log_odds(right, {fit_of(0.19, 0)}) == log_odds(right, {}));
   CHECK(log_odds(right, {fit_of(0.31, 0)}) < log_odds(right, {}));
   CHECK(log_odds(fit_of(0.05, 0), {}) < -5);
 }
 
-TEST_CASE("few points of steep surfaces say little") {
+TEST_CASE("few points on steep surfaces give small log odds") {
   CHECK(log_odds(fit_of(1, 0, 10), {}) == doctest::Approx(0.1 * log_odds(fit_of(1, 0), {})));
   CHECK(log_odds(fit_of(1, 0, 0), {}) == 0);
   CHECK(log_odds(fit_of(0.3, 0.3), {fit_of(0.3, 0.3)}) < -20);

@@ -82,7 +82,7 @@ TEST_CASE("radius neighbours are those of a search through all points") {
   CHECK_THROWS_AS(radius_neighbours(cloud, 0), std::invalid_argument);
 }
 
-TEST_CASE("normals of a wall and the ground look at the sensor") {
+TEST_CASE("normals of a wall and the ground point to the sensor") {
   PointCloud cloud;
   for (int a = 0; a < 20; ++a) {
     for (int b = 0; b < 20; ++b) {
@@ -129,7 +129,7 @@ TEST_CASE("FPFH follows its definition") {
   CHECK(far_off <= 0.02 * 33 * static_cast<double>(keypoints.size()));
 }
 
-TEST_CASE("ISS keypoints are the most salient about") {
+TEST_CASE("ISS keypoints are the most salient points of their neighbourhood") {
   const PointCloud cloud = small_scene();
   IssOptions options;
   options.salient_radius = 4;
@@ -188,7 +188,7 @@ TEST_CASE("mutual nearest descriptors are those of a search through all pairs") 
   CHECK_THROWS_AS(mutual_nearest(a, Descriptors(3, 32), 7), std::invalid_argument);
 }
 
-TEST_CASE("heights are above the lowest point about") {
+TEST_CASE("heights are measured from the lowest point nearby") {
   PointCloud cloud;
   for (int x = 0; x < 50; ++x)
     cloud.push_back(static_cast<float>(x), 0, 7 + 0.1f * static_cast<float>(x));  // a ramp

@@ -137,7 +137,7 @@ TEST_CASE("Tilted clouds keep their inliers when the tilt is allowed for") {
   CHECK(lost > 5);
 }
 
-TEST_CASE("The runner-up is the other of two planted poses") {
+TEST_CASE("The runner-up is the second of two planted poses") {
   MatchSampler sample(7);
   Pose one = sample.pose(5), other = one;
   other.linear() = Eigen::AngleAxisd(3.14159265358979, Vector3d::UnitZ()).toRotationMatrix() * one.linear();
@@ -153,7 +153,7 @@ TEST_CASE("The runner-up is the other of two planted poses") {
   CHECK(counted_consensus(matches, 0.1, found.runner_up) == found.runner_up_consensus);
 }
 
-TEST_CASE("The runner-up may be looked for afterwards") {
+TEST_CASE("find_runner_up finds the same runner-up as a search that includes it") {
   MatchSampler sample(17);
   const Pose one = sample.pose(5), other = sample.pose(5);
   Matches matches = sample.matches(500, 60, one, 15, 0.05);
@@ -173,14 +173,14 @@ TEST_CASE("The runner-up may be looked for afterwards") {
   CHECK(counted_consensus(matches, 0.1, found.runner_up) == found.runner_up_consensus);
 }
 
-TEST_CASE("A pose that can be nowhere else has a weak runner-up") {
+TEST_CASE("A unique pose has a weak runner-up") {
   MatchSampler sample(8);
   const MatchRegistration found = register_matches(sample.matches(400, 80, sample.pose(5), 15, 0.05));
   CHECK(found.runner_up_consensus < 10);
   CHECK(found.runner_up_bound <= found.consensus / 2);
 }
 
-TEST_CASE("A budget ends the search with an honest gap") {
+TEST_CASE("A search that ends at its budget has a valid upper bound") {
   MatchSampler sample(9);
   const Matches matches = sample.matches(3000, 5, sample.pose(5), 10, 0.1);
   MatchRegistrationOptions options;
@@ -217,7 +217,7 @@ TEST_CASE("Few matches, equal matches, and none") {
   }
 }
 
-TEST_CASE("What cannot be solved is refused with a sentence") {
+TEST_CASE("Invalid options and matches are refused with a message") {
   const Matches one = {{Vector3d(1, 2, 3), Vector3d(4, 5, 6)}};
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                infinity = std::numeric_limits<double>::infinity();

@@ -24,7 +24,7 @@ PointCloud wall() {
 
 }  // namespace
 
-TEST_CASE("what a ray went through is crossed, but for what it grazed") {
+TEST_CASE("a point is crossed where a ray passed through it, unless the ray grazed its surface") {
   const SeenSpace space(wall(), 0.5f);
   CHECK(space.is_crossed({5, 0, 0}, kAlongX));
   CHECK(space.is_crossed({5, 0, 0}, kNoNormal));
@@ -40,7 +40,7 @@ TEST_CASE("what a ray went through is crossed, but for what it grazed") {
   CHECK_FALSE(space.has_surface({8, 0, 0}));
 }
 
-TEST_CASE("above is what is higher than the points and rays of a column that is known") {
+TEST_CASE("a point is above if it is higher than the points and rays of a known column") {
   const SeenSpace space(wall(), 0.5f);  // at 10 m, from 3 m below the sensor to 3 m above it
   CHECK(space.is_above({10, 0, 5}));
   CHECK_FALSE(space.is_above({10, 0, 2}));
@@ -53,7 +53,7 @@ TEST_CASE("above is what is higher than the points and rays of a column that is 
   CHECK_FALSE(SeenSpace(PointCloud{}, 0.5f).is_above({0, 0, 9}));
 }
 
-TEST_CASE("rays start where each point was seen from") {
+TEST_CASE("rays start at the viewpoint of each point") {
   PointCloud cloud = wall();
   cloud.viewpoints.assign(cloud.size(), {18, 0, 0});
   const SeenSpace space(cloud, 0.5f);
@@ -61,7 +61,7 @@ TEST_CASE("rays start where each point was seen from") {
   CHECK_FALSE(space.is_crossed({5, 0, 0}, kAlongX));
 }
 
-TEST_CASE("rays that skim over the ground do not contradict it") {
+TEST_CASE("rays that skim over the ground do not contradict the ground") {
   PointCloud ground;  // in rings, 1 m below the sensor
   for (int i = 0; i < 3600; ++i) {
     const float angle = 0.00174533f * static_cast<float>(i), range = i % 2 == 0 ? 6.0f : 14.0f;
@@ -74,7 +74,7 @@ TEST_CASE("rays that skim over the ground do not contradict it") {
   CHECK_FALSE(space.has_surface({6, 0, -1}));  // a level surface
 }
 
-TEST_CASE("a point at the end of the world takes no more cells") {
+TEST_CASE("a point hundreds of kilometres away adds no free space, and does not affect that of the others") {
   PointCloud cloud = wall();
   cloud.push_back(4e5f, -4e5f, 4e5f);
   cloud.nx.push_back(1);
@@ -85,7 +85,7 @@ TEST_CASE("a point at the end of the world takes no more cells") {
   CHECK_FALSE(space.is_crossed({4e5f, -4e5f, 4e5f}, kAlongX));
 }
 
-TEST_CASE("a point in its own eye has no ray") {
+TEST_CASE("a point at its own viewpoint has no ray") {
   PointCloud cloud = wall();
   cloud.viewpoints = std::vector<Eigen::Vector3f>(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) cloud.viewpoints[i] = cloud.point(i);

@@ -52,7 +52,7 @@ Pose fit_of_points(const std::vector<SurfaceMatch>& matches) {
 
 }  // namespace
 
-TEST_CASE("matches that slide along walls give the pose at which the walls meet") {
+TEST_CASE("matches that are shifted along walls give the pose at which the walls coincide") {
   const Pose truth = level_pose(0.8, 1, -2, 0.3);
   const std::vector<SurfaceMatch> matches = matches_of_walls(truth);
   const Eigen::Vector3d centre(1, 2, 1);
@@ -64,7 +64,7 @@ TEST_CASE("matches that slide along walls give the pose at which the walls meet"
   CHECK(found.linear().col(2).isApprox(Eigen::Vector3d::UnitZ()));
 }
 
-TEST_CASE("where surfaces have no direction all of an offset counts") {
+TEST_CASE("with normals of all bearings the whole pose is found, also its height") {
   const Pose truth = level_pose(-1, 3, 1, -0.2);
   Numbers number(5);
   std::vector<SurfaceMatch> matches;
@@ -79,7 +79,7 @@ TEST_CASE("where surfaces have no direction all of an offset counts") {
   CHECK(near(found, truth, 0.03, 0.002));  // the height is found, too
 }
 
-TEST_CASE("the axis of the target is kept, and too few matches leave the pose alone") {
+TEST_CASE("the axis of the target is kept, and too few matches leave the pose unchanged") {
   Pose tip = Pose::Identity();
   tip.linear() = so3_exp(Eigen::Vector3d(0.2, -0.1, 0));
   const Pose level_truth = level_pose(0.8, 1, -2, 0.3);

@@ -33,7 +33,7 @@ bool is_about(const Pose& pose, const Pose& truth) {
 
 }  // namespace
 
-TEST_CASE("a single right match among thousands is enough") {
+TEST_CASE("a single right match among more than a thousand is sufficient") {
   const Pose truth = level_pose(2, 3, -4, 0.5);
   const CloudDescription target = describe(yard(1, 2), half_metre());
   const CloudDescription source = describe(moved(yard(1, 3), truth.inverse()), half_metre());
@@ -57,7 +57,7 @@ TEST_CASE("a single right match among thousands is enough") {
   CHECK(is_about(with.front(), truth));
 }
 
-TEST_CASE("where nothing matches, a guess that the clouds like is taken") {
+TEST_CASE("without matches, the given pose that fits the clouds is found") {
   const Pose truth = level_pose(2, 3, -4, 0.5);
   const CloudDescription target = describe(yard(1, 2), half_metre());
   const CloudDescription source = describe(moved(yard(1, 3), truth.inverse()), half_metre());
@@ -69,7 +69,7 @@ TEST_CASE("where nothing matches, a guess that the clouds like is taken") {
   CHECK(is_about(found.front(), truth));
 }
 
-TEST_CASE("on a slope the pose has the attitude that was asked for") {
+TEST_CASE("on a slope the pose has the given body-up attitude") {
   Pose slope = Pose::Identity();
   slope.linear() = Eigen::AngleAxisd(0.15, Eigen::Vector3d(1, 0.5, 0).normalized()).toRotationMatrix();
   const Pose truth = slope * level_pose(1, 2, -3, 0);
@@ -83,7 +83,7 @@ TEST_CASE("on a slope the pose has the attitude that was asked for") {
   CHECK((found.front().linear().col(2) - up).norm() < 1e-9);
 }
 
-TEST_CASE("no two of the poses are alike, and nothing gives none") {
+TEST_CASE("no two of the poses are near each other, and without matches there are none") {
   const CloudDescription target = describe(yard(1, 2), half_metre()),
                          source = describe(yard(1, 3), half_metre());
   const std::vector<Pose> found = poses(source, target, match_surfaces(source, target, 10), {}, 12);

@@ -42,7 +42,7 @@ int steps_to(double tolerance, int window) {
 
 }  // namespace
 
-TEST_CASE("without a window it is the plain iteration") {
+TEST_CASE("without a window the acceleration is the plain iteration") {
   const LinearIteration g;
   AndersonAcceleration anderson(0);
   StateVector x = StateVector::Zero(6);
@@ -59,7 +59,7 @@ TEST_CASE("a linear iteration of slow contraction is solved in few steps") {
   CHECK(accelerated < 60);
 }
 
-TEST_CASE("the first step and the first after a reset are the image") {
+TEST_CASE("the first step and the first step after a reset are plain iterations") {
   const LinearIteration g;
   AndersonAcceleration anderson;
   StateVector x = StateVector::Ones(6);

@@ -80,7 +80,7 @@ TEST_CASE("a small yaw is found to one percent where source and target are diffe
   }
 }
 
-TEST_CASE("robust methods ignore what only one cloud has") {
+TEST_CASE("robust methods ignore points that only one of the clouds has") {
   for (int seed = 0; seed < trials(6); ++seed) {
     CAPTURE(seed);
     Random random(static_cast<unsigned>(seed));
@@ -224,7 +224,7 @@ PointCloud rings(const Eigen::Vector3d& eye) {
 
 }  // namespace
 
-TEST_CASE("rings do not carry a good start off where it may be the better one") {
+TEST_CASE("with start_may_be_better the rings of a scan do not move the pose away from a right start") {
   const Pose truth = motion({0.3, 0.1, 0}, {0, 0, 0});
   const PointCloud source = rings(truth.translation());
   CloudTarget target(rings(Eigen::Vector3d::Zero()));
@@ -243,7 +243,7 @@ TEST_CASE("rings do not carry a good start off where it may be the better one") 
   CHECK_THROWS_AS(align_clouds(source, CloudTarget(source), truth, method, options), std::invalid_argument);
 }
 
-TEST_CASE("a start that is kept comes to rest on the planes") {
+TEST_CASE("a start that is kept is refined on the planes") {
   const Pose truth = motion({0.3, 0.1, 0}, {0, 0, 0});
   const PointCloud source = rings(truth.translation());
   CloudTarget target(rings(Eigen::Vector3d::Zero()));
@@ -257,7 +257,7 @@ TEST_CASE("a start that is kept comes to rest on the planes") {
   CHECK((found.target_from_source.translation() - truth.translation()).norm() < 0.001);
 }
 
-TEST_CASE("a start that may be better and is not is left") {
+TEST_CASE("with start_may_be_better a start that is worse than the result is not kept") {
   Random random(3);
   const PointCloud cloud = room(random, 6000, 0.003);
   CloudAlignmentOptions options;
@@ -270,7 +270,7 @@ TEST_CASE("a start that may be better and is not is left") {
   CHECK(translation_error(found.target_from_source, truth) < 0.005);
 }
 
-TEST_CASE("a scan that is dense near its sensor is not degenerate for that") {
+TEST_CASE("a scan that is dense near its sensor is not degenerate") {
   const auto scan = [](unsigned seed) {
     Random random(seed);
     PointCloud cloud = room(random, 3000, 0.002);

@@ -49,7 +49,8 @@ TEST_CASE("the normalised error squared is that of six degrees of freedom over m
   }
 }
 
-TEST_CASE("errors that neighbours share are no independent errors" * doctest::test_suite("many trials")) {
+TEST_CASE("errors that neighbouring points share keep the NEES between 1 and 12" *
+          doctest::test_suite("many trials")) {
   // All points of a cell of half a metre have a common error along their normals, in each cloud.
   const Pose truth = motion({0.03, -0.02, 0.01}, {0.004, -0.003, 0.01});
   const auto warped = [](unsigned seed) {

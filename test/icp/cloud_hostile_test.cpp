@@ -40,7 +40,7 @@ PointCloud line(std::size_t n) {
 
 }  // namespace
 
-TEST_CASE("clouds of fewer than three finite points are refused in words") {
+TEST_CASE("clouds of fewer than three finite points are refused with a message") {
   Random random(1);
   const PointCloud good = room(random, 100);
   const CloudTarget target(good);
@@ -106,7 +106,7 @@ TEST_CASE("points that are not finite are left out") {
   });
 }
 
-TEST_CASE("normals that are zero or not unit are mended") {
+TEST_CASE("normals that are zero or not of unit length are corrected") {
   Random random(4);
   const PointCloud cloud = room(random, 3000);
   PointCloud bad = cloud;
@@ -138,7 +138,7 @@ TEST_CASE("far from the origin the alignment is as good as the floats of the clo
   });
 }
 
-TEST_CASE("clouds that share nothing are no NaN") {
+TEST_CASE("distant clouds give a finite result") {
   Random random(6);
   const PointCloud target = room(random, 1000);
   PointCloud source = room(random, 1000);
@@ -146,7 +146,7 @@ TEST_CASE("clouds that share nothing are no NaN") {
   with_every_method(source, target, [](const CloudAlignment&) {});
 }
 
-TEST_CASE("clouds that never lay over each other fit badly, and say so") {
+TEST_CASE("clouds that never overlap have a low inlier ratio or are degenerate") {
   Random random(7);
   const PointCloud target = room(random, 2000);
   PointCloud source;  // a distant ball of ten metres

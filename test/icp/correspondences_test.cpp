@@ -36,7 +36,7 @@ float distance_to(const PointCloud& target, std::int32_t index, const Eigen::Vec
 
 }  // namespace
 
-TEST_CASE("saved searches answer as a search of every point at every update does") {
+TEST_CASE("saved searches give the correspondences of a search for every point at every update") {
   std::int64_t saved = 0;
   for (unsigned seed = 0; seed < 6; ++seed) {
     Random random(seed);

@@ -58,7 +58,7 @@ std::uint32_t open(const Scene& scene, const Matrix6& predicted = Matrix6::Ident
 
 }  // namespace
 
-TEST_CASE("a room leaves nothing open") {
+TEST_CASE("a room leaves no axis unconstrained") {
   std::mt19937 rng(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   Matrix6 room = Matrix6::Zero();
@@ -72,7 +72,7 @@ TEST_CASE("a room leaves nothing open") {
   CHECK(open({room, 0.05 * room}) == 0);
 }
 
-TEST_CASE("a pipe leaves the way along it open, and that alone, however its normals are off") {
+TEST_CASE("a pipe leaves the translation along its axis and the rotation about it open, and nothing else") {
   for (const double noise : {0.0, 0.01, 0.03, 0.1}) {
     CAPTURE(noise);
     // The rotation about the pipe's axis is open, too.
@@ -85,7 +85,7 @@ TEST_CASE("a pipe leaves the way along it open, and that alone, however its norm
   CHECK((open(rough) & 1u) == 0);
 }
 
-TEST_CASE("what a scan says is measured by what was known before") {
+TEST_CASE("whether a scan constrains an axis depends on the predicted covariance") {
   const Scene ribbed = pipe(0, 0.005);
   const auto along = [&](double metres) {
     Matrix6 predicted = Matrix6::Identity();

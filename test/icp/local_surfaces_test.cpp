@@ -41,7 +41,7 @@ Surface surface_at(const PointCloud& cloud, std::int32_t index, float radius) {
 
 }  // namespace
 
-TEST_CASE("a trunk is an upright line and a log is none") {
+TEST_CASE("an upright trunk is a line, and a lying log is not") {
   const Surface line = surface_at(trunk(0.1, 0.3, true), 22, 2);
   REQUIRE(line.line);
   CHECK(std::abs(line.normal.z()) > 0.99f);
@@ -51,7 +51,7 @@ TEST_CASE("a trunk is an upright line and a log is none") {
   CHECK_FALSE(surface_at(trunk(0.1, 0.3, false), 22, 2).line);
 }
 
-TEST_CASE("a few points that stand alone are a post, as thick as they are apart") {
+TEST_CASE("a few points that stand alone are a post, and its scale follows from their spread") {
   PointCloud cloud;
   const auto add = [&](float x, float y, float z) { cloud.push_back(x, y, z); };
   add(20, 0, 0);
@@ -76,7 +76,7 @@ TEST_CASE("a few points that stand alone are a post, as thick as they are apart"
   CHECK(bush.scale < 0.2f);
 }
 
-TEST_CASE("the lines of a scan pattern on a wall are no trunks") {
+TEST_CASE("the columns of a scan pattern on a wall are no trunks") {
   PointCloud wall;
   for (int column = -10; column <= 10; ++column) {
     for (int k = -40; k <= 40; ++k)
@@ -118,7 +118,7 @@ TEST_CASE("at the foot of a wall the plane of a point of the ground goes through
   CHECK(thick > 20);
 }
 
-TEST_CASE("a plane says as much less of where it is as it is thicker than 0.05 m") {
+TEST_CASE("the scale of a plane falls in proportion to a thickness above 0.05 m") {
   for (const float thickness : {0.02f, 0.05f, 0.1f, 0.2f}) {  // standard deviation
     CAPTURE(thickness);
     PointCloud hedge;
@@ -133,7 +133,7 @@ TEST_CASE("a plane says as much less of where it is as it is thicker than 0.05 m
   }
 }
 
-TEST_CASE("a floor is one where the rings on it are farther apart than neighbours are looked for") {
+TEST_CASE("a floor is a plane also where its rings are farther apart than the search radius") {
   // Some of 16 beams, 2 degrees apart, 1.2 m above the floor: their rings on it are at 4.5, 5.2 and 6.2 m.
   std::mt19937 rng(3);
   std::normal_distribution<float> noise(0, 0.01f);
@@ -161,7 +161,7 @@ TEST_CASE("a floor is one where the rings on it are farther apart than neighbour
   CHECK(across.weight < 0.1f);
 }
 
-TEST_CASE("a plane seen edge-on hardly counts") {
+TEST_CASE("a plane seen edge-on has hardly any weight") {
   PointCloud fan;  // clutter of some depth, crossed by one beam at the height of the sensor
   for (int i = 0; i < 100; ++i)
     fan.push_back(20 + 0.1f * static_cast<float>((7 * i) % 10), 0.1f * static_cast<float>(i / 10), 0.0f);
@@ -180,7 +180,7 @@ TEST_CASE("a plane seen edge-on hardly counts") {
   CHECK(weight_from(0) == 0.0f);
 }
 
-TEST_CASE("the normal of a plane points to where it was seen from") {
+TEST_CASE("the normal of a plane points to its viewpoint") {
   PointCloud wall;
   for (int i = 0; i < 100; ++i)
     wall.push_back(5, 0.1f * static_cast<float>(i % 10), 0.1f * static_cast<float>(i / 10));
@@ -195,7 +195,7 @@ TEST_CASE("the normal of a plane points to where it was seen from") {
   }
 }
 
-TEST_CASE("what a planar sensor sees of a wall is an upright plane, and a heap is none") {
+TEST_CASE("a wall in a planar scan is a vertical plane, and a heap of points has hardly any weight") {
   PointCloud cloud;
   std::vector<Neighbour> wall, heap;
   for (int k = -6; k <= 6; ++k) {  // 30 degrees from x, alternately 1 cm off it
@@ -219,7 +219,7 @@ TEST_CASE("what a planar sensor sees of a wall is an upright plane, and a heap i
   CHECK(fit_wall(cloud, one.data(), 6).weight == 0.0f);
 }
 
-TEST_CASE("the tilt of a plane is what its normals scatter by") {
+TEST_CASE("the tilt of a plane equals the scatter of its normals") {
   // Errors of 3 cm on a floor seen in narrow rows: its normals are known less well across the rows.
   std::mt19937 rng(5);
   std::normal_distribution<double> noise(0, 0.03);

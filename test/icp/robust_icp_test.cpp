@@ -70,7 +70,7 @@ TEST_CASE("the energy of the state that is returned never rises with more iterat
   }
 }
 
-TEST_CASE("a step that raises the energy is gone on from, as far as patience goes") {
+TEST_CASE("the descent continues after a step that raises the energy, as far as the patience allows") {
   // As where points change their correspondences, one state on the path to the minimum has more energy than
   // the start.
   struct Ridge final : DescentProblem {

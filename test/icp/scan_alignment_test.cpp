@@ -53,7 +53,7 @@ TEST_CASE("the small rotations between two scans are recovered to one percent") 
   }
 }
 
-TEST_CASE("a thin wall that was seen from its other side alone does not pull a scan onto that side") {
+TEST_CASE("a thin wall seen only from its other side does not pull a scan onto that side") {
   std::mt19937 random(3);
   std::normal_distribution<float> noise(0, 0.01f);
   std::uniform_real_distribution<float> across(-3, 3), up(-1, 1);
@@ -88,7 +88,7 @@ TEST_CASE("a thin wall that was seen from its other side alone does not pull a s
   CHECK(x_with_wall_seen_from(0) < -0.08);  // a wall that has moved
 }
 
-TEST_CASE("the variance of a scan's acceleration is that of the best parabola through a way of white noise") {
+TEST_CASE("the variance of a scan's acceleration is that of a parabola fitted to white-noise acceleration") {
   constexpr int kTimes = 400, kImpulses = 400;
   const double seconds = 0.2;
   Eigen::MatrixXd way(kTimes, kImpulses), model(kTimes, 3);
@@ -118,7 +118,7 @@ TEST_CASE("pose and velocity of a sweep are solved from one scan") {
   CHECK(found.searches_saved > found.searches_made);
 }
 
-TEST_CASE("the acceleration within a sweep is solved from one scan where a body may have one") {
+TEST_CASE("the acceleration within a sweep is estimated from one scan, if the prior allows an acceleration") {
   Hall hall;
   Vector6 twist, acceleration, start;
   twist << 3.0, -0.5, 0.2, 0.1, -0.1, 1.5;
@@ -164,7 +164,7 @@ TEST_CASE("the acceleration within a sweep is solved from one scan where a body 
   }
 }
 
-TEST_CASE("a strong prior holds what the data contradict and a weak one lets go") {
+TEST_CASE("a strong prior overrides the data, and a weak prior yields to them") {
   Hall hall;
   Scan scan = hall_scan(se3_exp(yaw(0.02)), Vector6::Zero(), 0, 9);
   scan.points.time.clear();
@@ -176,7 +176,7 @@ TEST_CASE("a strong prior holds what the data contradict and a weak one lets go"
   CHECK(se3_log(free.moving.pose)[5] == doctest::Approx(0.02).epsilon(0.02));
 }
 
-TEST_CASE("along a smooth pipe the information is the noise that was expected") {
+TEST_CASE("along a smooth pipe the information equals the expected noise") {
   std::mt19937 rng(4);
   std::uniform_real_distribution<double> uniform(-1, 1);
   std::normal_distribution<double> noise(0, 0.03);

@@ -123,7 +123,7 @@ TEST_CASE("xyz with comments and without intensity") {
   CHECK_FALSE(cloud.has_intensity());
 }
 
-TEST_CASE("cloud errors name the file and the place and what is wrong") {
+TEST_CASE("errors of a cloud file name the file, the line or byte, and the fault") {
   TemporaryDirectory directory;
   const auto message = [&](const std::string& name, const auto& content) {
     write_file(directory / name, content);
@@ -149,7 +149,7 @@ TEST_CASE("cloud errors name the file and the place and what is wrong") {
   CHECK(contains(message("a.pcd", compressed), "the file is cut short"));
 }
 
-TEST_CASE("a header that promises more than the file holds is refused before anything is allocated") {
+TEST_CASE("a header that announces more than the file holds is refused before anything is allocated") {
   TemporaryDirectory directory;
   for (const char* count : {"18446744073709551615", "9000000000000000000", "4000000000"}) {
     for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
@@ -167,7 +167,7 @@ TEST_CASE("a header that promises more than the file holds is refused before any
   }
 }
 
-TEST_CASE("a file of many points is handed on in parts, in its order") {
+TEST_CASE("a file of many points is read in parts, in its order") {
   TemporaryDirectory directory;
   PointCloud cloud;
   for (std::size_t i = 0; i < 2 * kPartPoints + 5; ++i) {
@@ -204,7 +204,7 @@ TEST_CASE("a file of many points is handed on in parts, in its order") {
   }
 }
 
-TEST_CASE("a file of one endless line is no text, and is not held as a whole") {
+TEST_CASE("a text file with a line of more than 1 MiB is refused") {
   TemporaryDirectory directory;
   for (const char* name : {"a.ply", "a.pcd", "a.xyz"}) {
     write_file(directory / name, std::string(std::size_t{3} << 20, '7'));

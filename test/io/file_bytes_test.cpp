@@ -63,7 +63,7 @@ std::size_t entries_in(const std::string& folder) {
 
 }  // namespace
 
-TEST_CASE("a file that cannot be written to its end keeps what it held, and leaves no half one") {
+TEST_CASE("a failed write keeps the old content of a file and leaves no partial file") {
   const TemporaryDirectory folder;
   const std::string old = folder / "old.svg", fresh = folder / "new.svg", large(100000, 'x');
   write_file_bytes(old, "precious");
@@ -86,7 +86,7 @@ TEST_CASE("a file that cannot be written to its end keeps what it held, and leav
   CHECK(file_bytes(old).size() == 100000);
 }
 
-TEST_CASE("what the system does not permit is said, and said before any work") {
+TEST_CASE("a missing permission is reported, for outputs before any work") {
   const TemporaryDirectory folder;
   const std::string open = folder / "open", barred = folder / "barred", file = open + "/a.lcmlog";
   fs::permissions(folder / "", fs::perms(0755));
@@ -128,7 +128,7 @@ TEST_CASE("a file that is replaced keeps its permissions, and a link its target"
   CHECK(fs::status(file).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
 }
 
-TEST_CASE("devices are written to, and their errors told") {
+TEST_CASE("devices are written to, and their errors are reported") {
   write_file_bytes("/dev/null", "nothing");
   CHECK(fs::is_character_file("/dev/null"));
   CHECK_THROWS_WITH(write_file_bytes("/dev/full", "all"),
@@ -137,7 +137,7 @@ TEST_CASE("devices are written to, and their errors told") {
   CHECK_THROWS_WITH(write_file_bytes(folder / "", "all"), ((folder / "") + ": is a directory").c_str());
 }
 
-TEST_CASE("a log that the disk refuses says why, at once or when it is closed") {
+TEST_CASE("a log on a full disk reports the reason, at once or when it is closed") {
   const std::vector<std::uint8_t> small(10), large(1000000);
   LogWriter writer("/dev/full");
   CHECK_THROWS_WITH(writer.write(0, "A", large), "/dev/full: cannot write the log: No space left on device");
@@ -146,7 +146,7 @@ TEST_CASE("a log that the disk refuses says why, at once or when it is closed") 
   CHECK_THROWS_WITH(late.close(), "/dev/full: cannot finish the log: No space left on device");
 }
 
-TEST_CASE("scans are overwritten without a rest of the old ones, and nothing else is") {
+TEST_CASE("overwriting a directory of scans removes all old scans and no other file") {
   const TemporaryDirectory folder;
   const std::string scans = folder / "scans";
   Scan scan;

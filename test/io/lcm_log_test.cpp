@@ -65,7 +65,7 @@ TEST_CASE("log writer writes the bytes that lcm-logger writes") {
   CHECK(outcome.damaged == 0);
 }
 
-TEST_CASE("a log cut at any length gives its whole events and says that it is cut") {
+TEST_CASE("a log cut at any length gives its whole events, and the cut is reported") {
   TemporaryDirectory directory;
   const std::string path = directory / "cut.lcmlog";
   const Bytes bytes = four_events(path);

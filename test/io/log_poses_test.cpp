@@ -44,7 +44,7 @@ TEST_CASE("every pose type gives the pose and its own stamp") {
   }
 }
 
-TEST_CASE("a pose message cut anywhere is no pose unless what is missing stands behind the pose") {
+TEST_CASE("a cut pose message is decoded only if the missing part lies behind the pose") {
   for (const Bytes& message : every_pose_type(1)) {
     for (std::size_t size = 0; size < message.size(); ++size) {
       std::string error;
@@ -56,7 +56,7 @@ TEST_CASE("a pose message cut anywhere is no pose unless what is missing stands 
   }
 }
 
-TEST_CASE("poses of a log come from the channel asked for and bad ones are counted") {
+TEST_CASE("poses of a log are read from the given channel, and invalid ones are counted") {
   TemporaryDirectory directory;
   const std::string path = directory / "a.lcmlog";
   TrackedScan wrong = tracked(3000000);

@@ -93,7 +93,7 @@ TEST_CASE("the checksum of parts is that of the whole") {
     CHECK(crc32(&bytes[0] + cut, bytes.size() - cut, crc32(bytes.data(), cut)) == whole);
 }
 
-TEST_CASE("points that stay in a file are those that bytes in memory have") {
+TEST_CASE("points that stay in a file equal the points decoded from memory") {
   const TemporaryDirectory folder;
   const std::string path = folder / "yard.map";
   const SavedMap map = some_map(300, 1500);  // larger than what is read at once
@@ -105,7 +105,7 @@ TEST_CASE("points that stay in a file are those that bytes in memory have") {
   CHECK(encode_map(read) == bytes);
 }
 
-TEST_CASE("a map that was read survives the loss of its name and is saved to its own file") {
+TEST_CASE("a map that was read outlives the removal of its file, and can be saved to its own file") {
   const TemporaryDirectory folder;
   const std::string path = folder / "yard.map";
   write_map(path, some_map(3, 40));
@@ -121,7 +121,7 @@ TEST_CASE("a map that was read survives the loss of its name and is saved to its
   CHECK(encode_map(read) == bytes);
 }
 
-TEST_CASE("points of a file that was changed in place are an error and never other points") {
+TEST_CASE("reading points of a file that was changed in place is an error and never gives other points") {
   const TemporaryDirectory folder;
   const std::string path = folder / "yard.map", target = folder / "other.map";
   write_map(path, some_map(3, 40));
@@ -148,7 +148,7 @@ TEST_CASE("points of a file that was changed in place are an error and never oth
   CHECK(encode_map(read) == bytes);
 }
 
-TEST_CASE("what is wrong with a file is what is wrong with its bytes") {
+TEST_CASE("an invalid file gives the same error as its bytes in memory") {
   const TemporaryDirectory folder;
   const std::string path = folder / "yard.map";
   const Bytes good = encode_map(some_map(2, 5));
@@ -179,7 +179,7 @@ TEST_CASE("the checksum is that of zip") {
   CHECK(crc32(nullptr, 0) == 0);
 }
 
-TEST_CASE("a map comes back poses exactly points to half a step") {
+TEST_CASE("a map that is read back has exact poses, and points within half a step") {
   const SavedMap map = some_map(5, 200);
   const SavedMap read = decode_map(encode_map(map), "yard.map");
   CHECK(read.epoch == 3);
@@ -215,7 +215,7 @@ TEST_CASE("a map that was read is written to the same bytes") {
   CHECK(encode_map(decode_map(once, "yard.map")) == once);
 }
 
-TEST_CASE("an empty map an empty keyframe and points that are not finite") {
+TEST_CASE("an empty map and an empty keyframe are read back, and points that are not finite are dropped") {
   CHECK(decode_map(encode_map({}), "yard.map").keyframes.empty());
   SavedMap map = some_map(1, 0);
   CHECK(decode_map(encode_map(map), "yard.map").keyframes.at(0).points.empty());
@@ -303,7 +303,7 @@ TEST_CASE("the bytes of all versions stay as they are") {
   CHECK(decode_map(sealed(expected), "yard.map").up == map.up);
 }
 
-TEST_CASE("what is wrong is named with its byte") {
+TEST_CASE("an invalid map is refused with the byte and the kind of the error") {
   const Bytes good = encode_map(some_map(2, 10));
   CHECK(error_of(good).empty());
   CHECK(error_of(Bytes{}) == "yard.map: byte 0: not a scanlock map");
@@ -351,7 +351,7 @@ TEST_CASE("what is wrong is named with its byte") {
   CHECK(contains(error_of(sealed(fell)), "byte 120: the upward direction is not a unit vector"));
 }
 
-TEST_CASE("no truncation and no flipped bit is taken for a map and none crashes") {
+TEST_CASE("truncated maps and maps with a flipped bit are refused, and none crashes the reader") {
   const Bytes good = encode_map(some_map(3, 20));
   for (std::size_t size = 0; size < good.size(); ++size) {
     const Bytes cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size));
@@ -379,7 +379,7 @@ TEST_CASE("random bytes under a fitting checksum do not crash the reader") {
   }
 }
 
-TEST_CASE("a map is written and read as a file and nothing is left beside it") {
+TEST_CASE("a map is written and read as a file, and no other file is left beside it") {
   const TemporaryDirectory folder;
   const SavedMap map = some_map(2, 30);
   write_map(folder / "yard.map", some_map(1, 3));
@@ -393,7 +393,7 @@ TEST_CASE("a map is written and read as a file and nothing is left beside it") {
   CHECK((info.st_mode & 0400) != 0);
 }
 
-TEST_CASE("a file that is no map is not overwritten a link is followed a missing folder is named") {
+TEST_CASE("a file that is no map is not overwritten, a link is followed, a missing folder is named") {
   const TemporaryDirectory folder;
   write_file(folder / "notes.txt", std::string("precious"));
   CHECK_THROWS_WITH(

@@ -36,7 +36,7 @@ struct Folder : TemporaryDirectory {
 
 }  // namespace
 
-TEST_CASE("an output that is there already is refused unless it is forced") {
+TEST_CASE("an existing output is refused unless it is forced") {
   const Folder folder;
   CHECK(refusal({{folder.a}, {folder.none}, ""}) == "");
   CHECK(refusal({{folder.a}, {"", folder.none, folder.b}, ""}) ==
@@ -48,7 +48,7 @@ TEST_CASE("an output that is there already is refused unless it is forced") {
   CHECK(file_bytes(folder.b).size() == 4);
 }
 
-TEST_CASE("an output that is an input is refused, forced or not, by whatever name it goes") {
+TEST_CASE("an output that is an input under any name is refused, forced or not") {
   const Folder folder;
   fs::create_symlink(folder.a, folder.link);
   const std::string hard = folder / "hard.ply", spelled = folder / "./x/../a.ply";
@@ -78,7 +78,7 @@ TEST_CASE("an output that is a scan of an input directory is refused") {
   CHECK(refusal({{folder / "scans"}, {folder.a}, ""}, true) == "");
 }
 
-TEST_CASE("two outputs in one file are refused, forced or not, also where it is not there yet") {
+TEST_CASE("two outputs in one file are refused, forced or not, also if the file does not exist yet") {
   const Folder folder;
   fs::create_symlink(folder.none, folder.link);
   for (const bool force : {false, true}) {
@@ -93,7 +93,7 @@ TEST_CASE("two outputs in one file are refused, forced or not, also where it is 
   CHECK(refusal({{}, {folder.link}, ""}) == "");
 }
 
-TEST_CASE("devices, FIFOs and open descriptors are no files that could be lost") {
+TEST_CASE("devices, FIFOs and open descriptors are not refused as outputs") {
   const Folder folder;
   REQUIRE(mkfifo((folder / "fifo").c_str(), 0600) == 0);
   CHECK(refusal({{folder.a, "/dev/null"},
@@ -101,7 +101,7 @@ TEST_CASE("devices, FIFOs and open descriptors are no files that could be lost")
                  ""}) == "");
 }
 
-TEST_CASE("an output without a folder, or that is one, is refused before any work") {
+TEST_CASE("an output in a missing folder, or that is a folder, is refused before any work") {
   const Folder folder;
   CHECK(contains(refusal({{}, {folder / "no/such/a.ply"}, ""}), "no/such/a.ply: cannot be written: "));
   CHECK(contains(refusal({{}, {folder / "no/such/a.ply"}, ""}), "No such file or directory"));
@@ -111,7 +111,7 @@ TEST_CASE("an output without a folder, or that is one, is refused before any wor
   CHECK(contains(refusal({{}, {folder.link}, ""}), "link.ply: Too many levels of symbolic links"));
 }
 
-TEST_CASE("a directory of scans is written where there is none, where it is empty, or where it is forced") {
+TEST_CASE("a directory of scans is written if it is missing, empty or forced") {
   const Folder folder;
   fs::create_directory(folder / "empty");
   fs::create_directory(folder / "full");

@@ -43,7 +43,7 @@ void truncate_by(const std::string& path, std::uintmax_t bytes) {
 
 }  // namespace
 
-TEST_CASE("scans survive the way into a log and out of it in every three-dimensional type") {
+TEST_CASE("scans survive a round trip through a log in every three-dimensional type") {
   TemporaryDirectory directory;
   write_scans(directory / "in", 3);
   const ScanDirectory in(directory / "in", {});
@@ -93,7 +93,7 @@ TEST_CASE("events carry the utime of their scan so that a player keeps the rate"
   }
 }
 
-TEST_CASE("a damaged log gives the scans that are whole and says so") {
+TEST_CASE("a damaged log gives its whole scans and reports the damage") {
   TemporaryDirectory directory;
   write_scans(directory / "in", 3);
   const ScanDirectory in(directory / "in", {});
@@ -113,7 +113,7 @@ TEST_CASE("a damaged log gives the scans that are whole and says so") {
   CHECK(sectors.points < 60000);
 }
 
-TEST_CASE("a channel without scans is an error that names the channels there are") {
+TEST_CASE("a channel without scans is an error that names the channels of the log") {
   TemporaryDirectory directory;
   LogWriter writer(directory / "a.lcmlog");
   writer.write(1, "NOISE", {1, 2, 3, 4, 5, 6, 7, 8});
@@ -125,7 +125,7 @@ TEST_CASE("a channel without scans is an error that names the channels there are
   CHECK_FALSE(std::filesystem::exists(directory / "out"));
 }
 
-TEST_CASE("scans leave a log as pcd and ply, too, with the times of their points") {
+TEST_CASE("scans of a log are exported to pcd and ply with the times of their points") {
   TemporaryDirectory directory;
   write_scans(directory / "in", 2);
   const ScanDirectory in(directory / "in", {});
@@ -148,7 +148,7 @@ TEST_CASE("scans leave a log as pcd and ply, too, with the times of their points
   }
 }
 
-TEST_CASE("one scan leaves a log as a cloud, chosen by its number where there are more") {
+TEST_CASE("one scan of a log is exported as a cloud, chosen by its number if there are more") {
   TemporaryDirectory directory;
   const std::string log = directory / "a.lcmlog", cloud = directory / "a.pcd";
   write_scans(directory / "in", 3);
@@ -173,7 +173,7 @@ TEST_CASE("one scan leaves a log as a cloud, chosen by its number where there ar
   CHECK(log_to_cloud(log, "LIDAR", directory / "b.ply", {}, no_progress).points == 20000);
 }
 
-TEST_CASE("log info tells channels and types and rates and gaps") {
+TEST_CASE("log info lists channels, types, rates and gaps") {
   TemporaryDirectory directory;
   write_scans(directory / "in", 3);
   directory_to_log(ScanDirectory(directory / "in", {}), directory / "s.lcmlog", "LIDAR",
@@ -214,7 +214,7 @@ TEST_CASE("stamps at the ends of their range do not overflow") {
   CHECK(inspect_log(directory / "a.lcmlog", no_progress).duration_s == doctest::Approx(1.8446744e13));
 }
 
-TEST_CASE("the real recording survives the way through a log") {
+TEST_CASE("the real recording survives a round trip through a log") {
   const std::filesystem::path data = recordings();
   if (!std::filesystem::exists(data / "seq/kitti_00_16")) {
     MESSAGE("skipped: no recordings in $SCANLOCK_DATA or ../shared/data");

@@ -60,7 +60,7 @@ TEST_CASE("KITTI round trip keeps every printed digit") {
   CHECK(file_bytes(directory / "a.txt") == file_bytes(directory / "b.txt"));
 }
 
-TEST_CASE("TUM lines mean what the format says") {
+TEST_CASE("TUM lines are read as their format defines them") {
   TemporaryDirectory directory;
   write_file(directory / "a.tum",
              std::string("# time tx ty tz qx qy qz qw\r\n\n"

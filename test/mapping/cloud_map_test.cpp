@@ -52,7 +52,7 @@ PointCloud two_rooms(float spacing) {
 
 }  // namespace
 
-TEST_CASE("rays end at the first surface, whatever its points lie apart, and pass where there is none") {
+TEST_CASE("rays end at the first surface at any spacing of its points, and pass where there is no surface") {
   for (const float spacing : {0.05F, 0.1F, 0.2F}) {
     CAPTURE(spacing);
     PointCloud cloud;
@@ -77,8 +77,7 @@ TEST_CASE("rays end at the first surface, whatever its points lie apart, and pas
   }
 }
 
-TEST_CASE(
-    "what is forgotten stops no ray, and what lies ahead stays, where it was to a thousandth of a voxel") {
+TEST_CASE("forgotten points stop no ray, and points ahead of them keep their positions to 0.1 mm") {
   PointCloud cloud;
   add_rectangle({-20, -5, -5}, {0, 10, 0}, {0, 0, 10}, 0.05F, &cloud);
   add_rectangle({20.0123F, -5, -5}, {0, 10, 0}, {0, 0, 10}, 0.05F, &cloud);
@@ -92,7 +91,7 @@ TEST_CASE(
   CHECK(std::abs(solid.point(*hit).x() - 20.0123F) < 1e-4F);
 }
 
-TEST_CASE("a ray meets what it would meet voxel by voxel") {
+TEST_CASE("a ray hits the voxel that a search in small steps finds") {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> uniform(-6, 6);
   PointCloud cloud;
@@ -120,7 +119,7 @@ TEST_CASE("a ray meets what it would meet voxel by voxel") {
   CHECK(hits > 50);
 }
 
-TEST_CASE("in a bare cloud keyframes stand in rooms, see their walls and none of the next room") {
+TEST_CASE("keyframes of a bare cloud are inside its rooms and show hardly any points of the next room") {
   for (const double heading : {0.0, 0.4}) {
     Vector6 xi;
     xi << 100, -50, 3, 0, 0, heading;
@@ -155,7 +154,7 @@ TEST_CASE("in a bare cloud keyframes stand in rooms, see their walls and none of
   }
 }
 
-TEST_CASE("people who stood across a corridor while it was surveyed do not divide its floor") {
+TEST_CASE("people scanned across a corridor do not interrupt the keyframes along it") {
   PointCloud cloud;
   const Eigen::Vector3f x(60, 0, 0), y(0, 2.4F, 0), z(0, 0, 3);
   add_rectangle({0, 0, 0}, x, y, 0.05F, &cloud);
@@ -173,7 +172,7 @@ TEST_CASE("people who stood across a corridor while it was surveyed do not divid
   CHECK(std::count(shown.begin(), shown.end(), true) == 6);
 }
 
-TEST_CASE("the upper side of a yard is the rougher one, and where it is upside down the yard is doubted") {
+TEST_CASE("the upper side of a yard is the rougher one, and a yard that is upside down gives a warning") {
   PointCloud cloud;
   add_rectangle({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.05F, &cloud);
   for (const float x : {2.0F, 8.0F, 14.0F})  // carports
@@ -199,7 +198,7 @@ TEST_CASE("the upper side of a yard is the rougher one, and where it is upside d
   CHECK(turned_yard.warnings().front().find("its upper side is smoother") == 0);
 }
 
-TEST_CASE("rooms whose furniture hangs from the ceiling are doubted: they are upside down") {
+TEST_CASE("rooms with furniture at the ceiling give a warning that they are upside down") {
   PointCloud cloud = two_rooms(0.05F);
   for (const float x : {1.0F, 5.5F, 9.0F, 11.5F, 14.0F})
     for (const float y : {0.5F, 3.5F}) add_rectangle({x, y, 0.75F}, {1.5F, 0, 0}, {0, 2, 0}, 0.05F, &cloud);
@@ -215,7 +214,7 @@ TEST_CASE("rooms whose furniture hangs from the ceiling are doubted: they are up
   CHECK(upside_down.warnings().back().find("is it upside down") != std::string::npos);
 }
 
-TEST_CASE("rooms whose y axis is up are doubted where z is taken for up, and not where y is") {
+TEST_CASE("rooms whose y axis is up give a warning if z is taken as up, and none if y is") {
   Eigen::Matrix3d turn;
   turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   CloudMapOptions options;
@@ -233,7 +232,7 @@ TEST_CASE("rooms whose y axis is up are doubted where z is taken for up, and not
   CHECK(by_y.warnings().empty());
 }
 
-TEST_CASE("up may be any axis, and where nobody could stand the error says so") {
+TEST_CASE("the up direction may be any axis, and unusable points and clouds are reported with the reason") {
   Eigen::Matrix3d turn;  // y is up
   turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   CloudMapOptions options;
@@ -306,8 +305,7 @@ TEST_CASE("a map depends neither on the order in which the points of its cloud c
   }
 }
 
-TEST_CASE(
-    "a cloud far from its origin, and one that hangs upside down, are no maps, and the error says why") {
+TEST_CASE("a cloud far from its origin and a yard that is upside down are refused with the reason") {
   PointCloud far = two_rooms(0.1F);
   for (float& x : far.x) x += 4e6F;
   CHECK_THROWS_WITH_AS(map_of_cloud(far, "utm.ply", {}), doctest::Contains("utm.ply: none of its"),
@@ -334,7 +332,7 @@ TEST_CASE(
   CHECK_FALSE(map_of_cloud(yard, "yard.ply", down).keyframes.empty());
 }
 
-TEST_CASE("the cloud of a map is what its keyframes saw, in the map's frame") {
+TEST_CASE("the cloud of a map consists of the points of its keyframes, in the map's frame") {
   const SavedMap map = map_of_cloud(two_rooms(0.05F), "rooms", {});
   const PointCloud cloud = cloud_of_map(map, 0.1F);
   CHECK(cloud.size() > 2000);

@@ -73,7 +73,7 @@ ClosureRequest two_visits(const Pose& off, double metres, double radians) {
 
 }  // namespace
 
-TEST_CASE("a loop is closed to centimetres by two closures that agree") {
+TEST_CASE("two closures that agree close a loop to centimetres") {
   const Pose off = at(0.4, -0.3, 0.05);
   ClosureRequest request = two_visits(off, 0.3, 0.04);
   const ClosureAnswer second = close_loop(request, {});
@@ -103,7 +103,7 @@ TEST_CASE("a loop is closed to centimetres by two closures that agree") {
   CHECK(close_loop(request, {}).outcome == ClosureOutcome::kPending);
 }
 
-TEST_CASE("no loop is closed farther off than odometry can be, nor where something else stands") {
+TEST_CASE("a closure is refused beyond the error of the odometry, and where the surroundings differ") {
   CHECK(close_loop(two_visits(at(0.4, -0.3, 0.05), 0.03, 0.004), {}).outcome == ClosureOutcome::kRefused);
   ClosureRequest request = two_visits(Pose::Identity(), 0.3, 0.04);
   for (ArchivedKeyframe& k : request.earlier) {  // another hall, half as long
@@ -116,7 +116,7 @@ TEST_CASE("no loop is closed farther off than odometry can be, nor where somethi
   CHECK(answer.outcome == ClosureOutcome::kRefused);
 }
 
-TEST_CASE("what is known already is not aligned again") {
+TEST_CASE("a closure that would add no information is not aligned") {
   ClosureRequest request = two_visits(Pose::Identity(), 0.01, 0.001);
   request.usual_information = inverse(covariance(0.02, 0.004));
   CHECK(close_loop(request, {}).outcome == ClosureOutcome::kKnown);
@@ -133,7 +133,7 @@ TEST_CASE("what is known already is not aligned again") {
   CHECK(close_loop(request, {}).outcome != ClosureOutcome::kKnown);
 }
 
-TEST_CASE("work that wants points which cannot be read finds nothing and says why") {
+TEST_CASE("requests for points that cannot be read find nothing and report the fault of the map") {
   ClosureRequest request = two_visits(Pose::Identity(), 0.5, 0.05);
   request.serial = 7;
   for (ArchivedKeyframe& k : request.earlier) k.points = lost_points();

@@ -61,7 +61,7 @@ SavedMap drive(const Pose& hall_from_map, double from, double to, double aside, 
 
 }  // namespace
 
-TEST_CASE("two maps of one hall become one, in the frame of the first, whichever way round") {
+TEST_CASE("two maps of one hall are merged, in the frame of the first, in either order") {
   const Pose one = frame_in_hall(-6, 1, 0.4), other = frame_in_hall(5, -3, -2.0);
   const SavedMap a = drive(one, -6, 5, 1, 100), b = drive(other, 6, -4, -2, 900);
   for (const bool swapped : {false, true}) {
@@ -91,7 +91,7 @@ TEST_CASE("two maps of one hall become one, in the frame of the first, whichever
   }
 }
 
-TEST_CASE("maps of noisy points are joined, too") {
+TEST_CASE("maps of noisy points are merged, too") {
   const Pose one = frame_in_hall(-6, 1, 0.4), other = frame_in_hall(5, -3, -2.0);
   const SavedMap a = drive(one, -6, 5, 1, 100, 1, 0.1F), b = drive(other, 6, -4, -2, 900, 1, 0.1F);
   const MapMerge merged = merge_maps(a, b, {});
@@ -100,7 +100,7 @@ TEST_CASE("maps of noisy points are joined, too") {
   CHECK(near(merged.map.keyframes.back().map_from_body, expected, 0.05, 0.01));
 }
 
-TEST_CASE("a map that fits into two places of another one is not merged with it") {
+TEST_CASE("a map that fits at two poses in another map is not merged with it") {
   const SavedMap hall = drive(frame_in_hall(-6, 1, 0.4), -6, 5, 1, 100);
   SavedMap twice = hall;
   const SavedMap again = moved(drive(frame_in_hall(-6, 1, 0.4), -6, 5, 1, 500), at(60, 0, 0));
@@ -122,7 +122,7 @@ TEST_CASE("a map that fits into two places of another one is not merged with it"
   CHECK(merged.otherwise >= 2);
 }
 
-TEST_CASE("maps of two different halls stay two, as does one without keyframes") {
+TEST_CASE("maps of two different halls are not merged, nor is a map without keyframes") {
   const SavedMap a = drive(frame_in_hall(-6, 1, 0.4), -6, 5, 1, 100);
   const SavedMap shorter = drive(frame_in_hall(2, -3, -2), 2, -2, -2, 900, 0.4F);
   for (const bool swapped : {false, true}) {

@@ -85,13 +85,13 @@ void expect_same(const PoseGraph& graph, const std::vector<ArchivedKeyframe>& ke
 
 }  // namespace
 
-TEST_CASE("round after round the map is one, and its poses are as certain as after the first" *
+TEST_CASE("repeated laps keep the map consistent, and the variance below 4 times that of the first lap" *
           doctest::test_suite("long drives")) {
   int delay = 0;  // scans from a request to its answer
   if (all_trials()) {
-    SUBCASE("answered at once") {}
+    SUBCASE("requests answered at once") {}
   }
-  SUBCASE("answered later") {
+  SUBCASE("requests answered 25 scans later") {
     delay = 25;
   }
   Mapper mapper(forgetful());
@@ -128,7 +128,8 @@ TEST_CASE("round after round the map is one, and its poses are as certain as aft
   CHECK(saved.keyframes.size() - since(saved, 75) == first_round);  // the keyframes of the first lap stay
 }
 
-TEST_CASE("where the place has changed the newer keyframes are kept" * doctest::test_suite("long drives")) {
+TEST_CASE("where the surroundings have changed the newer keyframes are kept" *
+          doctest::test_suite("long drives")) {
   Mapper mapper(forgetful());
   TrackedScan tracked;
   for (int i = 0; i < 900; ++i) {  // keyframes of the last minute are not compared with a later visit
@@ -143,7 +144,7 @@ TEST_CASE("where the place has changed the newer keyframes are kept" * doctest::
   CHECK(since(saved, 0) - since(saved, 100) < 10);
 }
 
-TEST_CASE("a closure that was asked for before a reset changes nothing after it") {
+TEST_CASE("a closure requested before a reset changes nothing after it") {
   Mapper mapper(forgetful());
   MapWorker worker(forgetful());
   std::optional<MapRequest> request;
@@ -165,7 +166,7 @@ TEST_CASE("a closure that was asked for before a reset changes nothing after it"
   CHECK(mapper.track(seen(30)).loop_closures == 0);
 }
 
-TEST_CASE("what the poses of a saved map are known to, and what closed its loops, is known again") {
+TEST_CASE("a loaded map has the constraints, loop closures and covariances of the saved map") {
   Mapper mapper(forgetful());
   int scans = 0;
   mapper.track(seen(scans++));
@@ -200,7 +201,7 @@ TEST_CASE("what the poses of a saved map are known to, and what closed its loops
   CHECK(rigid.diagonal().maxCoeff() < 1e-2);
 }
 
-TEST_CASE("a map that is fixed stays as it is, gets no larger by revisits, and ties the robot to its frame" *
+TEST_CASE("a fixed map is not changed, does not grow by revisits, and localises the robot in its frame" *
           doctest::test_suite("long drives")) {
   Mapper mapper(forgetful());
   for (int i = 0; i < 90; ++i) mapper.track(seen(i));  // a lap of the hall
@@ -226,7 +227,7 @@ TEST_CASE("a map that is fixed stays as it is, gets no larger by revisits, and t
     CHECK(near(after.keyframes[k].map_from_body, saved.keyframes[k].map_from_body, 1e-6, 1e-6));
 }
 
-TEST_CASE("a map that is saved and loaded each day grows by new ground alone") {
+TEST_CASE("a map that is saved and loaded each day grows only by new ground") {
   SavedMap map;
   std::size_t first = 0;
   for (int day = 0; day < 3; ++day) {
@@ -248,7 +249,7 @@ TEST_CASE("a map that is saved and loaded each day grows by new ground alone") {
   CHECK(first > 12);
 }
 
-TEST_CASE("where a robot is looked for first in a map that was loaded is described before its first scan") {
+TEST_CASE("the first search targets of a loaded map are described before the first scan") {
   Mapper first(TrackerConfig{});
   for (int i = 0; i < 90; ++i) first.track(seen(i));  // a lap of the hall
   Mapper mapper(TrackerConfig{});
@@ -317,7 +318,7 @@ bool doubted(MapWorker& worker, MapRequest request, const MapAnswer& answer) {
   return true;
 }
 
-TEST_CASE("a robot that is not in the map it was given is at home in one of its own until it is found" *
+TEST_CASE("a robot outside the given map tracks in a map of its own until it is found in the given map" *
           doctest::test_suite("long drives")) {
   TrackerConfig config = forgetful();
   config.new_map_after_s = 0.8;
@@ -326,12 +327,12 @@ TEST_CASE("a robot that is not in the map it was given is at home in one of its 
   const SavedMap saved = first.save();
   bool fixed = false, said = false;
   if (all_trials()) {
-    SUBCASE("a map that may grow, by a search") {}
+    SUBCASE("an extendable map, found by a search") {}
   }
-  SUBCASE("a map that is fixed, by a search") {
+  SUBCASE("a fixed map, found by a search") {
     fixed = true;
   }
-  SUBCASE("a map that is fixed, by somebody who knows") {
+  SUBCASE("a fixed map, found by set_pose") {
     fixed = said = true;
   }
   Mapper mapper(config);
@@ -371,7 +372,7 @@ TEST_CASE("a robot that is not in the map it was given is at home in one of its 
   CHECK((joins_doubted > 0) == (fixed && !said));  // otherwise by a search for a lost robot, or by set_pose()
 }
 
-TEST_CASE("a map whose z axis is not up keeps what is") {
+TEST_CASE("a map whose up direction is not z keeps its up direction") {
   Mapper first(TrackerConfig{}), mapper(TrackerConfig{});
   for (int i = 0; i < 90; ++i) first.track(seen(i));  // a lap of the hall
   Vector6 lying;
@@ -386,9 +387,7 @@ TEST_CASE("a map whose z axis is not up keeps what is") {
     CHECK(near(kept.keyframes[k].map_from_body, given.keyframes[k].map_from_body, 1e-6, 1e-6));
 }
 
-TEST_CASE(
-    "a robot that is found in a submap of a map file which nothing ties to the file's frame is not in the "
-    "map") {
+TEST_CASE("a robot in a submap that no constraint connects to the frame of the map file is not localised") {
   TrackerConfig config = forgetful();
   config.new_map_after_s = 0.8;
   Mapper first(config), there(config), later(config);
@@ -411,7 +410,7 @@ TEST_CASE(
   CHECK(later.other_submaps() == 1);
 }
 
-TEST_CASE("a robot that is lost on new ground is at home there, and in the first map when it comes back" *
+TEST_CASE("a robot that is lost on new ground tracks in a new submap, and in the first one when it returns" *
           doctest::test_suite("long drives")) {
   TrackerConfig config;
   config.new_map_after_s = 3;
@@ -465,7 +464,7 @@ TEST_CASE("a robot that is lost on new ground is at home there, and in the first
 }
 
 TEST_CASE(
-    "two submaps of the same ground are joined, in the frame of the older, and are two in a file until then" *
+    "two submaps of the same ground are joined in the frame of the older, and saved as two before that" *
     doctest::test_suite("long drives")) {
   TrackerConfig config = forgetful();
   config.new_map_after_s = 1;
@@ -523,7 +522,7 @@ TEST_CASE(
   expect_same(mapper.graph(), mapper.save().keyframes);
 }
 
-TEST_CASE("a map that was saved is one graph again, and a reset leaves none") {
+TEST_CASE("a saved map is loaded as one graph, and a reset empties the graph") {
   Mapper mapper(forgetful());
   for (int i = 0; i < 40; ++i) mapper.track(seen(i));
   const SavedMap saved = mapper.save();

@@ -131,7 +131,7 @@ TEST_CASE("a constraint reversed twice is itself, and chained ones have the cova
   CHECK((back_to_unit.transpose() * back * back_to_unit - Matrix6::Identity()).norm() < 0.15);
 }
 
-TEST_CASE("a graph without noise is brought to the truth from far off, whatever order it was built in") {
+TEST_CASE("a graph without noise converges to the truth from far off, in any order of construction") {
   const std::vector<Pose> truth = ring(40);
   std::vector<Pose> results;
   for (const bool backwards : {false, true}) {
@@ -156,7 +156,7 @@ TEST_CASE("a graph without noise is brought to the truth from far off, whatever 
   CHECK(results[0].matrix() == results[1].matrix());
 }
 
-TEST_CASE("right loop closures win against wrong ones, three in ten") {
+TEST_CASE("right loop closures prevail where three in ten are wrong") {
   for (unsigned seed = 0; seed < 10; ++seed) {
     CAPTURE(seed);
     Random random(seed);
@@ -194,7 +194,7 @@ TEST_CASE("right loop closures win against wrong ones, three in ten") {
   }
 }
 
-TEST_CASE("a covariance is that of the dense inverse, and a loop brings it down") {
+TEST_CASE("a covariance is that of the chained constraints, and an equal loop closure halves it") {
   Random random(4);
   const std::vector<Pose> truth = ring(30);
   PoseGraph graph;
@@ -222,7 +222,7 @@ TEST_CASE("a covariance is that of the dense inverse, and a loop brings it down"
   CHECK(graph.covariance(0, 77).diagonal().minCoeff() > 1e6);
 }
 
-TEST_CASE("a way through the graph chains its constraints, and is as long as is allowed") {
+TEST_CASE("a path through the graph chains its constraints, and has at most the allowed length") {
   Random random(8);
   const std::vector<Pose> truth = ring(10);
   PoseGraph graph = chain(truth, random);
@@ -240,7 +240,7 @@ TEST_CASE("a way through the graph chains its constraints, and is as long as is 
   CHECK(inverse(graph.way(3, 3, 4)->information).trace() < 1e-9);
 }
 
-TEST_CASE("a node that is taken away leaves what was measured through it") {
+TEST_CASE("removing a node keeps the constraints measured through it, and drops its loop closures") {
   Random random(5);
   std::vector<Pose> truth = ring(12);
   PoseGraph graph = chain(truth, random);
@@ -263,7 +263,7 @@ TEST_CASE("a node that is taken away leaves what was measured through it") {
 }
 
 TEST_CASE(
-    "a node that is replaced leaves its neighbours to the one that stays, which gets no surer of its own") {
+    "replacing a node connects its neighbours to the node that stays, and lowers no covariance of revisits") {
   Random random(6);
   const std::vector<Pose> truth = ring(12);
   PoseGraph graph = chain(truth, random);
@@ -310,7 +310,7 @@ TEST_CASE(
   CHECK(graph.optimise().metres < 1e-9);
 }
 
-TEST_CASE("poses optimised elsewhere take those with them that came later") {
+TEST_CASE("nodes that were optimised elsewhere move the later nodes with them") {
   const std::vector<Pose> truth = ring(6);
   PoseGraph graph;
   for (std::uint32_t i = 0; i < 6; ++i) graph.add(i, truth[i]);

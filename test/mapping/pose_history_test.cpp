@@ -19,7 +19,7 @@ std::function<Pose(std::uint32_t)> in(const std::map<std::uint32_t, Pose>& map) 
 
 }  // namespace
 
-TEST_CASE("poses follow the keyframe that they were told at, through all that becomes of it") {
+TEST_CASE("published poses follow their keyframe when it moves, is replaced or is removed") {
   PoseHistory history;
   std::map<std::uint32_t, Pose> map{{1, at(1, 0.1)}, {2, at(2, 0.2)}};
   const std::uint32_t one = history.stamp(1, map[1]);
@@ -64,7 +64,7 @@ TEST_CASE("poses follow the keyframe that they were told at, through all that be
   CHECK(near(history.correction(later, in(map)), once_more * again, 1e-12, 1e-12));
 }
 
-TEST_CASE("poses told of a robot that did not know where it was follow what it learnt later") {
+TEST_CASE("poses published while the robot was lost follow the correction found later") {
   PoseHistory history;
   std::map<std::uint32_t, Pose> map{{1, at(1, 0.1)}};
   const std::uint32_t first = history.open(1, map[1]), second = history.open(1, map[1]);

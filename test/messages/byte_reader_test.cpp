@@ -19,7 +19,7 @@ TEST_CASE("numbers are big endian") {
   CHECK(reader.ok());
 }
 
-TEST_CASE("a count is believed only if its elements can be there") {
+TEST_CASE("a count is accepted only if the remaining bytes can hold its elements") {
   const std::vector<std::uint8_t> bytes = {0, 0, 0, 3, 1, 2, 3, 4, 5, 6};
   CHECK(ByteReader(bytes.data(), bytes.size()).read_count_i32("n", 2) == 3);
   ByteReader too_many(bytes.data(), bytes.size());
@@ -39,7 +39,7 @@ TEST_CASE("a count is believed only if its elements can be there") {
   CHECK(below.error() == "`n` is negative: -1");
 }
 
-TEST_CASE("after the first fault everything is zero, and the first fault stays") {
+TEST_CASE("after the first fault all values are zero, and the first fault stays") {
   const std::vector<std::uint8_t> bytes = {1, 2, 3};
   ByteReader reader(bytes.data(), bytes.size());
   CHECK(reader.read_i32("first") == 0);

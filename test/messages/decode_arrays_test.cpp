@@ -100,7 +100,7 @@ TEST_CASE("a planar scan becomes points at height zero") {
   CHECK(decoded.error.find("radstep") != std::string::npos);
 }
 
-TEST_CASE("a planar range from the number for nothing seen on is no return") {
+TEST_CASE("planar ranges from planar_no_return_m on are no returns") {
   bot_core::planar_lidar_t message{};
   message.ranges = {1, 49.5f, 50, 81.91f};
   message.nranges = 4;
@@ -111,7 +111,7 @@ TEST_CASE("a planar range from the number for nothing seen on is no return") {
   CHECK(decode(message, limits).scan.points.size() == 3);
 }
 
-TEST_CASE("a planar scan that we encode has the nearest point of each beam") {
+TEST_CASE("an encoded planar scan has the nearest point of each beam") {
   Scan scan;
   scan.points.push_back(3, 0, 0);
   scan.points.push_back(2, 0, 0.1f);

@@ -200,7 +200,7 @@ TEST_CASE("each wrong member of a pointcloud2 is a fault that names it") {
   }
 }
 
-TEST_CASE("what is not a message that we know is a fault") {
+TEST_CASE("short, long, too large and unknown messages are faults") {
   Bytes bytes = generated_bytes(two_points());
   CHECK(decode_scan(nullptr, 0).fault == DecodeFault::kTruncated);
   CHECK(decode_scan(bytes.data(), 7).fault == DecodeFault::kTruncated);
@@ -218,7 +218,7 @@ TEST_CASE("what is not a message that we know is a fault") {
   CHECK(unknown.error.find("0acd5ce4bf5a1b4a") != std::string::npos);
 }
 
-TEST_CASE("what we encode as pointcloud2 comes back bit for bit, in their decoder and in ours") {
+TEST_CASE("an encoded pointcloud2 is decoded bit for bit, and by the generated decoder") {
   const Scan scan = sample_scan(1000);
   const Bytes bytes = encode_pointcloud2(scan, {7, "lidar"});
   const DecodedScan decoded = decode_scan(bytes.data(), bytes.size());

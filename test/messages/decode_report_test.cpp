@@ -20,7 +20,7 @@ using namespace scanlock;
 
 // Decoding and encoding again must give the same bytes, and every member of the samples differs from its
 // neighbours: with lcm-gen's decoding of some members, any swapped or lost member is found.
-TEST_CASE("odometry_t comes back, every member") {
+TEST_CASE("every member of odometry_t survives encoding and decoding") {
   const Bytes bytes = encode_odometry(sample_tracked(), sample_context());
   const auto decoded = decode_odometry(bytes.data(), bytes.size());
   REQUIRE(decoded.error == "");
@@ -49,7 +49,7 @@ TEST_CASE("odometry_t comes back, every member") {
   CHECK(theirs.align_ms == 9.5f);
 }
 
-TEST_CASE("status_t and recovery_t come back to the byte") {
+TEST_CASE("status_t and recovery_t survive encoding and decoding") {
   const Bytes status = encode_status(sample_status());
   const auto decoded_status = decode_status(status.data(), status.size());
   REQUIRE(decoded_status.error == "");
@@ -78,7 +78,7 @@ TEST_CASE("status_t and recovery_t come back to the byte") {
   CHECK(their_recovery.runner_up_consensus == 50);
 }
 
-TEST_CASE("commands come back, and one without a pose need not have a good one") {
+TEST_CASE("commands are decoded, and their quaternion is checked only where the command has a pose") {
   Command command;
   command.kind = CommandKind::kSetPose;
   command.map_from_body = sample_tracked().map_from_body;
@@ -100,7 +100,7 @@ TEST_CASE("commands come back, and one without a pose need not have a good one")
   }
 }
 
-TEST_CASE("an attitude comes from ins_t") {
+TEST_CASE("an attitude is decoded from ins_t") {
   bot_core::ins_t message{};
   message.utime = 77;
   message.quat[0] = message.quat[3] = std::sqrt(0.5);
@@ -114,7 +114,7 @@ TEST_CASE("an attitude comes from ins_t") {
             Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()))) < 1e-7);
 }
 
-TEST_CASE("a pose that is no pose is a fault that names the member") {
+TEST_CASE("an invalid pose is a fault that names the member") {
   bot_core::pose_t good{};
   good.orientation[0] = 1;
   const auto fault_of = [](const bot_core::pose_t& message) {

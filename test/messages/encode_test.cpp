@@ -110,7 +110,7 @@ TEST_CASE(
   CHECK(message.twist.covariance[0] == -1);
 }
 
-TEST_CASE("each pose type comes back as the pose it was") {
+TEST_CASE("each pose type is decoded to the pose that was encoded") {
   const TrackedScan tracked = sample_tracked();
   const Bytes messages[] = {encode_pose(tracked, TwistFrame::kLocal), encode_rigid_transform(tracked),
                             encode_nav_odometry(tracked, "map", "body", 1), encode_odometry(tracked, {})};

@@ -58,7 +58,7 @@ TEST_CASE("the fingerprints of our own types are pinned") {
   CHECK(generated<scan_sector_t>() == 0x43807f72da1389a7u);
 }
 
-TEST_CASE("the constants we dispatch on are what lcm-gen computes") {
+TEST_CASE("the fingerprint constants equal those that lcm-gen computes") {
   CHECK(generated<bot_core::pose_t>() == fingerprint::kPose);
   CHECK(generated<bot_core::rigid_transform_t>() == fingerprint::kRigidTransform);
   CHECK(generated<bot_core::pointcloud2_t>() == fingerprint::kPointcloud2);

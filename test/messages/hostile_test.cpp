@@ -125,7 +125,7 @@ TEST_CASE("every shorter length of every report is a fault") {
       });
 }
 
-TEST_CASE("an evil number written over every place of every message") {
+TEST_CASE("extreme numbers at every offset of every message") {
   const std::uint32_t numbers[] = {0xffffffff, 0x80000000, 0x7fffffff, 0x40000000, 0x10000000, 0x00010000,
                                    0,          1,          0x7fc00000, 0x7f800000, 0x3fffffff, 0x55555556};
   std::vector<Bytes> messages = scans();

@@ -53,7 +53,7 @@ TEST_CASE("floats are seconds after the stamp") {
   check_near(read("time", TimeKind::kFloat64, kStamp, {0, 0.1}), 0, 0.1);
 }
 
-TEST_CASE("doubles since the epoch, in whichever unit they are") {
+TEST_CASE("doubles since the epoch are read in seconds, milliseconds, microseconds or nanoseconds") {
   check_near(read("timestamp", TimeKind::kFloat64, kStamp, {1700000000.5, 1700000000.6}), 0, 0.1);
   check_near(read("timestamp", TimeKind::kFloat64, kStamp, {1700000000500e0, 1700000000600e0}), 0, 0.1);
   check_near(read("timestamp", TimeKind::kFloat64, kStamp, {1700000000400000e0, 1700000000500000e0}), -0.1,
@@ -61,7 +61,7 @@ TEST_CASE("doubles since the epoch, in whichever unit they are") {
   check_near(read("timestamp", TimeKind::kFloat64, kStamp, {1.7000000005e18, 1.7000000006e18}), 0, 0.1);
 }
 
-TEST_CASE("a clock that began at zero is told from times after the stamp") {
+TEST_CASE("times of a clock that began at zero are distinguished from times after the stamp") {
   check_near(read("timestamp", TimeKind::kFloat64, 5000000, {5.0, 5.1}), 0, 0.1);
   check_near(read("timestamp", TimeKind::kFloat64, 5000000, {0.0, 0.1}), 0, 0.1);
 }

@@ -93,7 +93,7 @@ TEST_CASE("a lost sector costs a wedge and not the scan") {
   CHECK_FALSE(assembler.flush().has_value());
 }
 
-TEST_CASE("flush gives what is there at the end of a log") {
+TEST_CASE("flush returns the incomplete scan at the end of a log") {
   auto sectors = sectors_of(scan_at(1000000), 1);
   sectors.pop_back();
   SectorAssembler assembler;
@@ -122,7 +122,7 @@ TEST_CASE("doubled, late and contradicting sectors are thrown away and counted")
   CHECK(assembler.discarded_sectors() == 3 + static_cast<std::int64_t>(second.size()));
 }
 
-TEST_CASE("a sender that begins anew is followed") {
+TEST_CASE("a sender that restarts at an earlier time is followed") {
   SectorAssembler assembler;
   CHECK(add_all(assembler, sectors_of(scan_at(100000000), 50)).size() == 1);
   CHECK(add_all(assembler, sectors_of(scan_at(5000000), 1)).size() == 1);

@@ -38,7 +38,7 @@ PreparedScan scan_at(const Pose& pose, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("an alignment is plausible near its prediction, whatever share of the scan the map knows") {
+TEST_CASE("an alignment near its prediction is plausible, whatever its inlier ratio") {
   AlignmentCheck check;
   for (const double share : {0.9, 0.3}) {
     CHECK(check.is_plausible(attempt(0.54, 0, share)));
@@ -49,7 +49,7 @@ TEST_CASE("an alignment is plausible near its prediction, whatever share of the 
   CHECK_FALSE(check.is_plausible(attempt(0.33)));  // a squared gap of 11
 }
 
-TEST_CASE("an alignment is trusted where it explains its scan and is plausible") {
+TEST_CASE("an alignment is trusted if its z-score is low and it is plausible") {
   AlignmentCheck check;
   const PreparedScan scan;
   CHECK(check.is_trusted(attempt(0.3, 5)));
@@ -63,7 +63,7 @@ TEST_CASE("an alignment is trusted where it explains its scan and is plausible")
   CHECK(check.distrusted_scans() == 0);
 }
 
-TEST_CASE("the last trusted scan contradicts another place: asked after a gap, and of unusual alignments") {
+TEST_CASE("after a gap, or for an unusual alignment, the last trusted scan contradicts a wrong pose") {
   const Pose here = Pose::Identity(), other(Eigen::Translation3d(-6, 5, 0));
   const PreparedScan seen_there = scan_at(other, 2);
   AlignmentCheck check;
@@ -81,7 +81,7 @@ TEST_CASE("the last trusted scan contradicts another place: asked after a gap, a
   CHECK(check.is_contradicted(kScanPeriod, seen_there, attempt(0)));
 }
 
-TEST_CASE("after a short gap a motion that nobody expected has to be confirmed, once motion is known") {
+TEST_CASE("after a short gap an unexpected motion has to be confirmed, once the motion is known") {
   AlignmentCheck check;
   check.trust(0, scan_at(Pose::Identity(), 1), {Pose::Identity(), Vector6::Zero()}, true);
   MotionPrior told = attempt(0).prior;  // the prediction by other sensors
@@ -100,7 +100,7 @@ TEST_CASE("after a short gap a motion that nobody expected has to be confirmed, 
   CHECK_FALSE(check.is_to_be_confirmed(4 * kScanPeriod, 0.1, first.prior, first));
 }
 
-TEST_CASE("nothing contradicts a scan that is no witness, nor a start") {
+TEST_CASE("no scan is contradicted by a trusted scan that is no witness, nor after a restart") {
   const Pose here = Pose::Identity();
   const PreparedScan other = scan_at(Pose(Eigen::Translation3d(-6, 5, 0)), 2);
   AlignmentCheck check;

@@ -52,13 +52,13 @@ TEST_CASE("motion and attitude are turned from the body to the sensor") {
   CHECK(prior.level_from_body->toRotationMatrix().isApprox((body_at(1) * kMount).linear(), 1e-9));
 }
 
-TEST_CASE("priors that agree are never blamed") {
+TEST_CASE("priors that agree are never reported as contradicting") {
   ConsistencyCheck judge(kMount);
   for (int i = 0; i < 200; ++i) CHECK_FALSE(judge.learn(sample_at(i), tracked_at(i)));
   CHECK(judge.contradictions() == 0);
 }
 
-TEST_CASE("odometry that contradicts is withheld and comes back when it agrees") {
+TEST_CASE("odometry that contradicts the scans is withheld, and used again when it agrees") {
   ConsistencyCheck judge(kMount);
   judge.learn(sample_at(0), tracked_at(0));
   int withheld_at = -1;
@@ -81,7 +81,7 @@ TEST_CASE("odometry that contradicts is withheld and comes back when it agrees")
   CHECK(judge.prior(sample_at(back_at + 1)).motion);
 }
 
-TEST_CASE("one slip is no reason to withhold") {
+TEST_CASE("single slips do not withhold odometry") {
   ConsistencyCheck judge(kMount);
   Pose slipped = Pose::Identity();
   for (int i = 0; i < 30; ++i) {
@@ -106,7 +106,7 @@ TEST_CASE("an attitude that tilts away from the scans is withheld") {
   CHECK_FALSE(judge.prior(sample_at(36)).level_from_body);
 }
 
-TEST_CASE("a tracker that is lost or jumped is no judge") {
+TEST_CASE("scans of a tracker that is lost or jumps do not contradict the odometry") {
   ConsistencyCheck judge(kMount);
   for (int i = 0; i < 30; ++i) {
     TrackedScan tracked = tracked_at(i);

@@ -29,7 +29,7 @@ std::vector<TrackedScan> followed(const Frame& frame) {
 
 }  // namespace
 
-TEST_CASE("where the map has its origin and when it is made changes no state and no pose" *
+TEST_CASE("the origin of the map and its time change no state and no pose" *
           doctest::test_suite("long drives")) {
   const std::vector<TrackedScan> near = followed(Frame{}), far = followed(far_frame());
   REQUIRE(near.size() == far.size());

@@ -23,7 +23,7 @@ constexpr double kVoxelSide = 0.5;  // metres
 
 }  // namespace
 
-TEST_CASE("the local map is founded on a given map where that shows the ground") {
+TEST_CASE("the local map is founded on a given map where the given map shows the ground") {
   KeyframeArchive archive(1000000);
   REQUIRE(archive.restore({keyframe_at(0), keyframe_at(3)}, true).empty());
   Odometer odometer{TrackerConfig{}};
@@ -37,8 +37,7 @@ TEST_CASE("the local map is founded on a given map where that shows the ground")
   CHECK(odometer.map().keyframes().size() == 2);
 }
 
-TEST_CASE(
-    "a given map whose points cannot be read is not tried again at each scan, but where the robot goes") {
+TEST_CASE("an unreadable given map is not read again at each scan, but after the robot has moved") {
   KeyframeArchive archive(1000000);
   ArchivedKeyframe lost = keyframe_at(0);
   lost.points = lost_points();

@@ -41,7 +41,7 @@ HealthMonitor rested(int points, std::mt19937* random) {
 
 }  // namespace
 
-TEST_CASE("chance does more to the energy of few points and is no jump") {
+TEST_CASE("random scatter of the energy is no jump, for few points as for many") {
   std::mt19937 random(5);
   for (const int points : {100, 200, 1000, 4000}) {
     const HealthMonitor monitor = rested(points, &random);
@@ -49,7 +49,7 @@ TEST_CASE("chance does more to the energy of few points and is no jump") {
   }
 }
 
-TEST_CASE("the energy of another place is a jump, for few points as for many") {
+TEST_CASE("the energy at a wrong pose is a jump, for few points as for many") {
   std::mt19937 random(6);
   for (const int points : {300, 1000, 4000}) {
     const HealthMonitor monitor = rested(points, &random);
@@ -57,7 +57,7 @@ TEST_CASE("the energy of another place is a jump, for few points as for many") {
   }
 }
 
-TEST_CASE("an energy that rises over twenty scans is no jump, and one that rises as far at once is") {
+TEST_CASE("an energy that rises over 22 scans is no jump, and the same rise within one scan is a jump") {
   const auto at_energy = [](const HealthMonitor& monitor, double energy) {
     // A share of all points lies far off: the energy is that share.
     std::vector<float> residuals(1000, 0.0f);
@@ -77,7 +77,7 @@ TEST_CASE("an energy that rises over twenty scans is no jump, and one that rises
   CHECK(at_energy(room, 0.25).score > kJumpScore);
 }
 
-TEST_CASE("the z-score is measured by what went before alone") {
+TEST_CASE("the z-score is in units of the chance scatter for few points, and of the least spread for many") {
   std::mt19937 random(7);
   const HealthMonitor few = rested(100, &random), many = rested(4000, &random);
   const Health a = assess(few, 100, 0.5, &random), b = assess(many, 4000, 0.5, &random);

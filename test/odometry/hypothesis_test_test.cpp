@@ -61,15 +61,14 @@ Ending between_twins(bool uncontradicted) {
 
 }  // namespace
 
-TEST_CASE("that the map knows little of a place does not speak against one that still stands") {
+TEST_CASE("a partly mapped twin does not block a hypothesis, unless a search found no contradiction to it") {
   CHECK(between_twins(false).outcome == HypothesisTest::Outcome::kWon);
   const Ending open = between_twins(true);
   CHECK(open.outcome == HypothesisTest::Outcome::kUndecided);
   CHECK(open.why_undecided == "the scans after the search fit several hypotheses equally well");
 }
 
-TEST_CASE(
-    "a place that a search prefers does not win because no map shows all of another that explains more") {
+TEST_CASE("a preferred hypothesis does not win because the map of a better hypothesis is incomplete") {
   Scan map;
   map.points = hall_map();
   const PointCloud most = covered(map, [](float x, float y, float) { return x < 3 || y < 0; }).points;
@@ -79,7 +78,7 @@ TEST_CASE(
   CHECK(near(ending.place, Pose::Identity(), 0.1, 0.1));
 }
 
-TEST_CASE("where it is expected, without a search, a robot has to be explained as usual") {
+TEST_CASE("at the expected pose, without a search, the inlier ratio has to be as usual") {
   Scan map;
   map.points = hall_map();
   const auto ending = [](const PointCloud& points) {
@@ -89,7 +88,8 @@ TEST_CASE("where it is expected, without a search, a robot has to be explained a
   CHECK(ending(half_of(map).points).outcome == HypothesisTest::Outcome::kRefuted);
 }
 
-TEST_CASE("places that look alike are told apart by what only one of them explains, if that is much") {
+TEST_CASE(
+    "hypotheses that look alike are decided only by large differences of the points that they explain") {
   Scan map;
   map.points = hall_map();
   const auto against = [&](const PointCloud& twin) {
@@ -110,8 +110,7 @@ TEST_CASE("places that look alike are told apart by what only one of them explai
   CHECK(against(many).outcome == HypothesisTest::Outcome::kWon);
 }
 
-TEST_CASE(
-    "what is off the surfaces of one map tells against its place, what another does not show tells nothing") {
+TEST_CASE("points off the surfaces of a map count against its hypothesis, and unmapped points do not count") {
   const PointCloud all = hall_map();
   PointCloud part;  // a sixth of the hall is not mapped
   PointCloud other = all;
@@ -129,7 +128,7 @@ TEST_CASE(
   CHECK(near(ending.place, Pose::Identity(), 0.1, 0.01));
 }
 
-TEST_CASE("scans speak for a place by what stands there, and against it by what is off") {
+TEST_CASE("points on mapped surfaces raise the odds of a hypothesis, and points off them lower the odds") {
   const PointCloud all = hall_map();
   PointCloud part, moved = all;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -148,7 +147,7 @@ TEST_CASE("scans speak for a place by what stands there, and against it by what 
   CHECK(said(moved) < -5);
 }
 
-TEST_CASE("where two walls are 0.05 m off a place is not believed for a percent more of its points") {
+TEST_CASE("a hypothesis does not win for a percent more points where two walls are 0.05 m off") {
   Scan map;
   map.points = hall_map();
   PointCloud twin = map.points;
@@ -159,8 +158,7 @@ TEST_CASE("where two walls are 0.05 m off a place is not believed for a percent 
   CHECK(ending.outcome == HypothesisTest::Outcome::kUndecided);
 }
 
-TEST_CASE(
-    "a place that a search believes may explain scans less well than they do each other, as on another day") {
+TEST_CASE("a hypothesis of a search may fit less well than the scans fit each other, as on another day") {
   const TrackerConfig config;
   PreparedHall hall(config);
   PointCloud map = hall_map();

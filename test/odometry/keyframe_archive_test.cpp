@@ -30,7 +30,7 @@ Pose shifted(double x, double y) {
 
 }  // namespace
 
-TEST_CASE("the archive wants a place only where it has none") {
+TEST_CASE("the archive wants a keyframe only where no keyframe of similar reach is near") {
   KeyframeArchive archive(1000000);
   CHECK(archive.wants(2, {0, 0, 0}, 12));
   archive.add(1, shifted(0, 0), 12, ring(500, 12));
@@ -39,7 +39,7 @@ TEST_CASE("the archive wants a place only where it has none") {
   CHECK(archive.wants(2, {1.9, 0, 0}, 6));
 }
 
-TEST_CASE("a keyframe that is replaced leaves to the other one how the body stood") {
+TEST_CASE("a keyframe that is replaced leaves its body-up attitudes to the other keyframe") {
   constexpr std::int64_t kSecond = 1000000;
   KeyframeArchive archive(1000000);
   for (int i = 0; i < 10; ++i) archive.add(i * kSecond, shifted(2.5 * i, 0), 12, ring(500, 12));
@@ -64,7 +64,7 @@ TEST_CASE("a keyframe that is replaced leaves to the other one how the body stoo
   CHECK(newer.find(11)->body_ups.size() == 2);
 }
 
-TEST_CASE("a place is thinned and the oldest places give way to the cap") {
+TEST_CASE("keyframes are thinned, and the oldest keyframes are dropped at the limit of points") {
   KeyframeArchive archive(3001);
   for (int i = 0; i < 5; ++i) {
     archive.add(i, shifted(10 * i, 0), 20, ring(50000, 20));
@@ -82,7 +82,7 @@ TEST_CASE("a place is thinned and the oldest places give way to the cap") {
   CHECK(copy.points() == 0);
 }
 
-TEST_CASE("a map that was restored is larger than the cap, and none of it gives way") {
+TEST_CASE("a restored map may exceed the limit of points, and none of its keyframes is dropped") {
   KeyframeArchive whole(1000000), archive(250);
   for (int i = 0; i < 5; ++i) whole.add(i, shifted(10 * i, 0), 20, ring(100, 20));
   archive.restore(whole.keyframes());
@@ -99,7 +99,7 @@ TEST_CASE("a map that was restored is larger than the cap, and none of it gives 
   CHECK(archive.keyframes()[4].id == 10);
 }
 
-TEST_CASE("a map of which some points cannot be read is restored whole and says why") {
+TEST_CASE("a map of which some points cannot be read is restored as a whole, with the reason") {
   KeyframeArchive whole(1000000), archive(1000000);
   for (int i = 0; i < 3; ++i) whole.add(i, shifted(10 * i, 0), 20, ring(100, 20));
   std::vector<ArchivedKeyframe> keyframes = whole.keyframes();
@@ -112,7 +112,7 @@ TEST_CASE("a map of which some points cannot be read is restored whole and says 
   CHECK(like.similarity(*archive.keyframes()[1].signature) == 0);
 }
 
-TEST_CASE("the surroundings of a place are those of all points, however many there are") {
+TEST_CASE("a submap of more than 600000 points equals the thinning of all points at once") {
   KeyframeArchive archive(2000000);
   PointCloud all;
   for (int i = 0; i < 400; ++i) {
@@ -135,7 +135,7 @@ TEST_CASE("the surroundings of a place are those of all points, however many the
   CHECK(found.viewpoints == expected.viewpoints);
 }
 
-TEST_CASE("keyframes are found by id and moved, with the ways in which the body stood there") {
+TEST_CASE("keyframes are found by id and moved, with their body-up attitudes") {
   KeyframeArchive archive(1000000);
   for (int i = 0; i < 4; ++i) {
     archive.add(i, shifted(10 * i, 0), 12, ring(500, 12),
@@ -156,7 +156,7 @@ TEST_CASE("keyframes are found by id and moved, with the ways in which the body 
   CHECK(archive.find(2)->body_ups[0].dot(there.linear().col(2).cast<float>()) == doctest::Approx(1));
 }
 
-TEST_CASE("a submap joins the places around a centre in the axes of the map") {
+TEST_CASE("a submap joins the keyframes around a centre in the axes of the map") {
   KeyframeArchive archive(1000000);
   PointCloud one;
   one.push_back(1, 0, 0.5f);
@@ -173,7 +173,7 @@ TEST_CASE("a submap joins the places around a centre in the axes of the map") {
   CHECK(submap.eye(first) != submap.eye(1 - first));
 }
 
-TEST_CASE("the ways in which the body stood are kept with the nearest place a few degrees apart") {
+TEST_CASE("body-up attitudes are kept with the nearest keyframe, a few degrees apart") {
   const auto tilted = [](double x, double radians) {
     Pose pose = shifted(x, 0);
     pose.linear() = so3_exp(Eigen::Vector3d(radians, 0, 0));

@@ -41,7 +41,7 @@ int points_at(float x, const LocalMap& map) {
 
 }  // namespace
 
-TEST_CASE("a map keeps what its keyframes see, whoever saw it first, and forgets the rest") {
+TEST_CASE("a map keeps the points that its keyframes see, also those first seen by forgotten keyframes") {
   LocalMapLimits limits;
   limits.max_keyframes = 3;
   LocalMap map(limits);
@@ -56,7 +56,7 @@ TEST_CASE("a map keeps what its keyframes see, whoever saw it first, and forgets
   for (int i = 0; i < 10; ++i) CHECK(points_at(10.1f + static_cast<float>(i), map) == (i < 7 ? 0 : 40));
 }
 
-TEST_CASE("new ground is what no cell of the size of a surface holds yet") {
+TEST_CASE("new ground is the share of points in coarse cells that hold no point yet") {
   LocalMap map(LocalMapLimits{});
   const auto share = [&](const std::vector<float>& rows) {
     Keyframe keyframe;
@@ -69,7 +69,8 @@ TEST_CASE("new ground is what no cell of the size of a surface holds yet") {
   CHECK(share({0.1f, 2.1f, 6.1f}) == 0.0);
 }
 
-TEST_CASE("where a given map shows a voxel its point stands for it, and its keyframes do not count") {
+TEST_CASE(
+    "points of given keyframes replace points in their voxels, and given keyframes do not count as own") {
   LocalMapLimits limits;
   limits.max_keyframes = 2;
   LocalMap map(limits);
@@ -106,7 +107,7 @@ TEST_CASE("where a given map shows a voxel its point stands for it, and its keyf
   CHECK(points_at(9.1f, map) == 0);
 }
 
-TEST_CASE("a map that is founded anew step by step is the one that is founded at once") {
+TEST_CASE("a map that is founded anew step by step equals the map that is founded at once") {
   const auto given = [](std::uint32_t id, bool with_points) {
     Keyframe result;
     result.given = id;
@@ -156,7 +157,7 @@ TEST_CASE("a map that is founded anew step by step is the one that is founded at
   CHECK(of_none.size() == 0);
 }
 
-TEST_CASE("given keyframes too far from the robot are forgotten, and their points where it saw none") {
+TEST_CASE("given keyframes too far from the robot are forgotten, and the points that only they show") {
   LocalMapLimits limits;
   limits.max_distance = 50;
   const auto keyframe_at = [](float x) {
@@ -187,7 +188,7 @@ TEST_CASE("given keyframes too far from the robot are forgotten, and their point
   CHECK(points_at(45.1f, map) == 40);
 }
 
-TEST_CASE("a map that is loaded is the one that was inserted") {
+TEST_CASE("a map that is loaded equals the map of the same inserted keyframes") {
   LocalMapLimits limits;
   limits.max_keyframes = 3;
   limits.max_distance = 50;

@@ -30,7 +30,7 @@ double found_velocity(double velocity, double predicted, int scans) {
 
 }  // namespace
 
-TEST_CASE("lost-mode odometry finds its velocity where another was predicted" *
+TEST_CASE("lost-mode odometry finds the velocity where another velocity was predicted" *
           doctest::test_suite("many trials")) {
   for (double velocity : {-12.0, -6.0, 0.0, 6.0, 12.0}) {
     for (double predicted : {-12.0, 0.0, 12.0}) {

@@ -127,7 +127,7 @@ Vector6 told_shares(const Eigen::Vector3d& share) {
 
 }  // namespace
 
-TEST_CASE("the share of the acceleration that was there lately is told, of what drives and of what swings") {
+TEST_CASE("the shares of acceleration follow the recent motion, for driving and for swinging") {
   CHECK(MotionErrors().shares() == Vector6::Ones());  // without data
   const Vector6 driven = told_shares({0.5, 0.5, 0.01}), swung = told_shares({0.01, 0.01, 0.5});
   for (const int axis : {0, 1}) {
@@ -138,7 +138,7 @@ TEST_CASE("the share of the acceleration that was there lately is told, of what 
   CHECK(swung[2] == doctest::Approx(0.5).epsilon(0.25));
 }
 
-TEST_CASE("the covariance is that of the errors, whatever the filter takes for granted" *
+TEST_CASE("the covariance matches the errors, whatever noise the filter assumes" *
           doctest::test_suite("many trials")) {
   for (const double assumed : {1e-3, 3e-2}) {
     for (const double share : {0.01, 0.3}) {
@@ -151,7 +151,7 @@ TEST_CASE("the covariance is that of the errors, whatever the filter takes for g
   }
 }
 
-TEST_CASE("what nothing holds is known less and less") {
+TEST_CASE("the covariance of an unconstrained axis keeps growing") {
   Matrix12 data = strong_data();
   data.row(0).setZero();
   data.col(0).setZero();
@@ -171,7 +171,7 @@ TEST_CASE("what nothing holds is known less and less") {
   CHECK(drive.errors.covariance()(1, 1) < 0.01 * last);
 }
 
-TEST_CASE("an abrupt motion shows in the scan that sees it") {
+TEST_CASE("an abrupt motion raises the covariance in the scan that shows it") {
   FilteredDrive drive(4);
   for (int k = 0; k < 50; ++k) drive.step(strong_data(), 1e-4, 3e-2, 0.001);
   const double calm = drive.errors.covariance()(1, 1);
@@ -180,7 +180,7 @@ TEST_CASE("an abrupt motion shows in the scan that sees it") {
   CHECK(drive.errors.covariance()(1, 1) > 10 * calm);
 }
 
-TEST_CASE("the error of a pose that new ground is seen from becomes one of the map") {
+TEST_CASE("leave_to_map moves the share of new ground from the covariance of the pose to the map") {
   MotionErrors errors;
   Matrix12 covariance = strong_data() * 1e-3;
   errors.start(covariance);

@@ -65,7 +65,7 @@ TEST_CASE("the covariance is carried by the derivative of the prediction") {
   CHECK((noise - Matrix12(noise.diagonal().asDiagonal())).topLeftCorner<6, 6>().norm() < 1e-5);
 }
 
-TEST_CASE("a body may accelerate within a scan, and a planar one in its plane") {
+TEST_CASE("a body may accelerate along all axes within a scan, and a planar body along those of its plane") {
   MotionFilter filter(5, 10);
   filter.start({Pose::Identity(), lively()});
   Vector6 expected;
@@ -77,7 +77,8 @@ TEST_CASE("a body may accelerate within a scan, and a planar one in its plane") 
   CHECK(filter.predict(0.1).acceleration_density.isApprox(expected));
 }
 
-TEST_CASE("speed, drift and turn rate go on; z, roll and pitch come back to their mean") {
+TEST_CASE(
+    "predicted speed, drift and turn rate persist, and rates of z, roll and pitch return to their mean") {
   MotionFilter filter(5, 10);
   filter.start({Pose::Identity(), Vector6::Zero()});
   MotionPrior jolt = filter.predict(0.001);
@@ -88,7 +89,7 @@ TEST_CASE("speed, drift and turn rate go on; z, roll and pitch come back to thei
   for (const int axis : {2, 3, 4}) CHECK(std::abs(later[axis]) < 0.01);
 }
 
-TEST_CASE("what climbs for long goes on climbing, and what stands stays") {
+TEST_CASE("a long climb is predicted to continue, and a body at rest to stay") {
   MotionFilter filter(5, 10);
   filter.start({Pose::Identity(), Vector6::Zero()});
   for (int i = 0; i < 200; ++i) {

@@ -19,7 +19,7 @@ PreparedScan turned_scan(double angle, int i, VoxelScale* scale) {
 
 }  // namespace
 
-TEST_CASE("a planar robot that is found turned has the velocity of that turn") {
+TEST_CASE("a planar robot that is found turned has the velocity of this turn") {
   const TrackerConfig config;
   for (const double turn : {-1.0, 0.6, 1.0}) {
     CAPTURE(turn);
@@ -36,7 +36,7 @@ TEST_CASE("a planar robot that is found turned has the velocity of that turn") {
   }
 }
 
-TEST_CASE("a reloaded map holds the nearest keyframes of the new place, and none of the one before") {
+TEST_CASE("a reloaded map holds the nearest keyframes of the new position, and none of the old one") {
   TrackerConfig config;
   config.max_keyframes = 10;
   config.max_map_points = 14 * 36;  // a fifth of it is reserved for new points
@@ -62,7 +62,7 @@ TEST_CASE("a reloaded map holds the nearest keyframes of the new place, and none
   CHECK(odometer.map().size() == 10 * 36);
 }
 
-TEST_CASE("a local map stays as it is where points of the next one cannot be read") {
+TEST_CASE("a local map does not change where points of the next one cannot be read") {
   PointCloud points;
   for (int i = 0; i < 36; ++i) points.push_back({static_cast<float>(i % 6), static_cast<float>(i / 6), 0});
   std::vector<ArchivedKeyframe> archive(2);

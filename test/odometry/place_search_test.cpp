@@ -45,7 +45,7 @@ Asked ask(unsigned scans, bool found, double cost_s = 0) {
 
 }  // namespace
 
-TEST_CASE("who finds nothing, or nothing that convinces, asks ever more seldom but never stops") {
+TEST_CASE("searches without a convincing result are repeated at growing intervals, but never stop") {
   for (const bool found : {false, true}) {
     CAPTURE(found);
     const Asked at_first = ask(20, found), later = ask(120, found);
@@ -56,7 +56,7 @@ TEST_CASE("who finds nothing, or nothing that convinces, asks ever more seldom b
   }
 }
 
-TEST_CASE("searches take a tenth of a core in the mean, and more at once only while they have saved it" *
+TEST_CASE("searches take a tenth of a core on average, and more only for as long as they have saved it" *
           doctest::test_suite("long drives")) {
   for (const double cost_s : {0.1, 0.5, 3.0}) {
     CAPTURE(cost_s);
@@ -66,7 +66,7 @@ TEST_CASE("searches take a tenth of a core in the mean, and more at once only wh
   }
 }
 
-TEST_CASE("what has no extent is not looked for") {
+TEST_CASE("a scene without extent is not searched for") {
   const TrackerConfig config;
   PreparedHall hall(config);
   LostModeOdometry lost_odometry(config, 0, hall.scan(0), {});
@@ -82,7 +82,8 @@ TEST_CASE("what has no extent is not looked for") {
   }
 }
 
-TEST_CASE("a robot that nobody has seen is looked for first where it looks most alike, and elsewhere next") {
+TEST_CASE(
+    "a robot without a known pose is searched first in the most similar part of the map, then elsewhere") {
   const TrackerConfig config;
   PreparedHall hall(config);
   LostModeOdometry lost_odometry(config, 0, hall.scan(0), {});

@@ -37,7 +37,7 @@ PointCloud turned(const PointCloud& cloud, double radians, double x) {
 
 }  // namespace
 
-TEST_CASE("a place looks like itself from near by and at any heading, and less like another one") {
+TEST_CASE("signatures of nearby viewpoints are similar at any heading, and those of another site less so") {
   const PlaceSignature here(walls(12, 5), kLevel), other(walls(7, 7), kLevel);
   CHECK(here.similarity(here) == doctest::Approx(1.0));
   for (const double heading : {0.5, 1.7, -2.9}) {
@@ -48,7 +48,8 @@ TEST_CASE("a place looks like itself from near by and at any heading, and less l
   }
 }
 
-TEST_CASE("what is lower than the sensor has no say where something is higher, and nothing is like nothing") {
+TEST_CASE(
+    "points below the sensor do not count beside higher points, and an empty cloud is similar to none") {
   PointCloud low;
   for (float x = 2; x < 10; x += 0.1F) low.push_back(x, 1, -0.2F);
   PointCloud both = walls(12, 5);

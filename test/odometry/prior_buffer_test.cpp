@@ -32,7 +32,7 @@ using Absence = PriorBuffer::Absence;
 
 }  // namespace
 
-TEST_CASE("between two samples and shortly after the last the motion goes on") {
+TEST_CASE("the motion is interpolated between samples and extrapolated shortly after the last sample") {
   PriorBuffer buffer = filled(20000, 50);
   for (const std::int64_t offset : {0, 7000, 20000, 333333, 980000, 1000000, 1079000}) {
     CAPTURE(offset);
@@ -42,7 +42,7 @@ TEST_CASE("between two samples and shortly after the last the motion goes on") {
   }
 }
 
-TEST_CASE("nothing near the scan is stale and not invented") {
+TEST_CASE("without a sample near the scan the prior is stale, and no pose is invented") {
   PriorBuffer buffer;
   CHECK(buffer.at(kFirstSample).absence == Absence::kNever);
   buffer = filled(20000, 50);  // to 0.98 s
@@ -56,7 +56,7 @@ TEST_CASE("nothing near the scan is stale and not invented") {
   CHECK(slow.at(kFirstSample + 800000).pose);  // exactly at a sample
 }
 
-TEST_CASE("a sensor on another clock is told from a silent one") {
+TEST_CASE("a sensor on another clock is distinguished from a silent one") {
   for (const std::int64_t shift : {3600000000, -3600000000, -3000000L, 3000000L}) {
     CAPTURE(shift);
     PriorBuffer buffer;
@@ -81,7 +81,7 @@ TEST_CASE("a sensor on another clock is told from a silent one") {
   CHECK(offset_words(-3599.02) == "3599.02 s behind");
 }
 
-TEST_CASE("backward and repeated and non-finite samples are ignored and a new run begins anew") {
+TEST_CASE("backward, repeated and non-finite samples are ignored, and a new run starts again") {
   PriorBuffer buffer = filled(20000, 50);
   const std::int64_t last = kFirstSample + 49 * 20000;
   Pose elsewhere = Pose::Identity();

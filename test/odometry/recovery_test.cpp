@@ -75,7 +75,7 @@ PointCloud car_park(const Pose& map_from_sensor, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("searches that say the same of a place are worth less than twice one of them, in any order") {
+TEST_CASE("searches with the same result add up to less than twice the odds of one, in any order") {
   CHECK(together({6}) == 6);
   CHECK(together({6, 6}) == doctest::Approx(8));
   CHECK(together({6, 6, 6}) == doctest::Approx(9));
@@ -85,7 +85,7 @@ TEST_CASE("searches that say the same of a place are worth less than twice one o
   CHECK(together({-2, -4}) == -4);
 }
 
-TEST_CASE("among things that are small for the scale of the search it looks finer") {
+TEST_CASE("objects that are small for the scale of a search need a finer search") {
   RecoveryRequest request;
   request.target.places = {archived(Pose::Identity(), car_park(Pose::Identity(), 1))};
   request.target.source_radius = request.target.radius = 40;
@@ -101,7 +101,7 @@ TEST_CASE("among things that are small for the scale of the search it looks fine
   CHECK(error(there, answer.map_from_predicted) < 0.3);
 }
 
-TEST_CASE("a kidnapped robot comes back with a certificate and in the same frame") {
+TEST_CASE("a kidnapped robot is relocalised with a certificate and in the same frame") {
   const Frame frame = each_frame();
   const KidnappedDrive drive{60, at(-4, 1, 150 * kDegree)};
   FramedTracker tracker(TrackerConfig{}, frame);
@@ -130,7 +130,7 @@ TEST_CASE("a kidnapped robot comes back with a certificate and in the same frame
   CHECK(back <= drive.kidnap + 20);
 }
 
-TEST_CASE("what was seen while the robot was lost is part of the map once it is back" *
+TEST_CASE("keyframes of lost-mode odometry are part of the map after the relocalisation" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const KidnappedDrive drive{60, at(7, 4, 170 * kDegree)};
@@ -158,7 +158,7 @@ TEST_CASE("what was seen while the robot was lost is part of the map once it is 
   CHECK(joined >= 2);
 }
 
-TEST_CASE("a sensor of few points recognises its place within two seconds") {
+TEST_CASE("a sensor of few points is relocalised within two seconds") {
   const Frame frame = each_frame();
   for (const int rays : {300, 600}) {
     CAPTURE(rays);
@@ -176,8 +176,7 @@ TEST_CASE("a sensor of few points recognises its place within two seconds") {
   }
 }
 
-TEST_CASE("two ends of a hall that are alike are not told apart by chance" *
-          doctest::test_suite("long drives")) {
+TEST_CASE("neither of two equal ends of a hall is accepted by chance" * doctest::test_suite("long drives")) {
   for (unsigned hall = 0; hall < 8; ++hall) {
     CAPTURE(hall);
     Tracker tracker(TrackerConfig{});
@@ -198,7 +197,7 @@ TEST_CASE("two ends of a hall that are alike are not told apart by chance" *
   }
 }
 
-TEST_CASE("what a search finds is not tried where no fit would make it believed" *
+TEST_CASE("a search result is not tested while no fit of the scans could make it accepted" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const KidnappedDrive drive{40, at(-5, -1, 100 * kDegree)};
@@ -223,7 +222,7 @@ TEST_CASE("what a search finds is not tried where no fit would make it believed"
   }
 }
 
-TEST_CASE("a robot that was blind goes on at once, though half of what it sees then is new ground") {
+TEST_CASE("a robot without points for 1.5 s tracks on at once, though half of its view is new ground") {
   const Frame frame = each_frame();
   const KidnappedDrive drive{1000, Pose::Identity()};
   FramedTracker tracker(TrackerConfig{}, frame);
@@ -238,7 +237,7 @@ TEST_CASE("a robot that was blind goes on at once, though half of what it sees t
   }
 }
 
-TEST_CASE("a kidnapped robot that sees much new ground is taken back unless the odds are against its place" *
+TEST_CASE("a kidnapped robot that sees much new ground is relocalised, unless the odds are against the pose" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const KidnappedDrive drive{25, at(0, -2, 100 * kDegree)};
@@ -261,7 +260,7 @@ TEST_CASE("a kidnapped robot that sees much new ground is taken back unless the 
   }
 }
 
-TEST_CASE("a planar sensor needs four finds that agree and show half of what is seen") {
+TEST_CASE("a planar sensor is relocalised by four results that agree and show half of the scan") {
   const Frame frame = each_frame();
   const KidnappedDrive drive{60, at(-5, 1, 20 * kDegree)};
   for (const bool little : {false, true}) {
@@ -287,8 +286,7 @@ TEST_CASE("a planar sensor needs four finds that agree and show half of what is 
   }
 }
 
-TEST_CASE("what a finder remembers of other searches changes no answer" *
-          doctest::test_suite("long drives")) {
+TEST_CASE("the cache of earlier searches changes no answer" * doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const KidnappedDrive drive{40, at(-5, -1, 100 * kDegree)};
   FramedTracker tracker(TrackerConfig{}, frame);
@@ -316,7 +314,7 @@ TEST_CASE("what a finder remembers of other searches changes no answer" *
   }
 }
 
-TEST_CASE("a saved map is found again by another run") {
+TEST_CASE("a robot is relocalised in a map that another run saved") {
   const Frame frame = each_frame();
   const KidnappedDrive drive{1000, Pose::Identity()};
   FramedTracker first(TrackerConfig{}, frame);
@@ -340,7 +338,7 @@ TEST_CASE("a saved map is found again by another run") {
   CHECK(error(drive.pose(0).inverse() * later.pose(34), tracked.map_from_body) < 0.1);
 }
 
-TEST_CASE("a robot that was carried onto a slope is found, with an attitude sensor and without" *
+TEST_CASE("a robot that was carried onto a slope is relocalised, with an attitude sensor and without" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const KidnappedDrive drive{
@@ -381,7 +379,7 @@ TEST_CASE("recoveries are the same in every run and for every number of threads"
   }
 }
 
-TEST_CASE("an answer that comes too late is not used") {
+TEST_CASE("the answer to a search from before a reset is not used") {
   const Frame frame = each_frame();
   const KidnappedDrive drive{40, at(-5, -1, 100 * kDegree)};
   FramedTracker tracker(TrackerConfig{}, frame);
@@ -400,7 +398,7 @@ TEST_CASE("an answer that comes too late is not used") {
   CHECK_FALSE(tracked.recovery.has_value());
 }
 
-TEST_CASE("a pose that somebody sets is taken up in the same map") {
+TEST_CASE("set_pose moves the robot within the same map") {
   const Frame frame = each_frame();
   const KidnappedDrive drive{1000, Pose::Identity()};
   FramedTracker tracker(TrackerConfig{}, frame);
@@ -415,7 +413,7 @@ TEST_CASE("a pose that somebody sets is taken up in the same map") {
   CHECK(error(drive.pose(0).inverse() * carried.pose(65), tracked.map_from_body) < 0.1);
 }
 
-TEST_CASE("odometry that comes with the scans bridges what a velocity cannot") {
+TEST_CASE("an odometry prior bridges a turn without points that a predicted velocity does not") {
   const Frame frame = each_frame();
   const KidnappedDrive before{1000, Pose::Identity()};
   FramedTracker with(TrackerConfig{}, frame), without(TrackerConfig{}, frame);

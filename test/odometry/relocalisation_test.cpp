@@ -91,7 +91,7 @@ struct Displaced {
 
 }  // namespace
 
-TEST_CASE("a place is not believed before its twin, which the map at hand does not show") {
+TEST_CASE("a hypothesis is not accepted while an equal one outside the local map remains") {
   TrackerConfig config;
   config.max_keyframes = 4;
   const Pose twin(Eigen::Translation3d(40, 0, 0));
@@ -101,7 +101,7 @@ TEST_CASE("a place is not believed before its twin, which the map at hand does n
   CHECK(robot.relocalisation.state() == TrackingState::kAmbiguous);
 }
 
-TEST_CASE("twins that scans have not told apart stay runners-up when a later search finds another place") {
+TEST_CASE("hypotheses that scans did not separate stay runners-up when a later search finds another pose") {
   TrackerConfig config;
   config.max_keyframes = 4;
   const Pose twin(Eigen::Translation3d(40, 0, 0)), elsewhere(Eigen::Translation3d(0, 0, 6));
@@ -121,7 +121,7 @@ TEST_CASE("twins that scans have not told apart stay runners-up when a later sea
   CHECK(outcome == Relocalisation::Outcome::kLost);
 }
 
-TEST_CASE("a runner-up that the archive does not show better does not take the map away") {
+TEST_CASE("a runner-up that the archive does not show better does not replace the local map") {
   Displaced robot(TrackerConfig{});
   robot.remember({Pose::Identity()});
   robot.lose();
@@ -129,7 +129,7 @@ TEST_CASE("a runner-up that the archive does not show better does not take the m
   CHECK(robot.odometer.map().keyframes().size() == 1);
 }
 
-TEST_CASE("two searches on different scales say the same of a place in either order") {
+TEST_CASE("two searches confirm a hypothesis in either order, if their scales differ") {
   for (const bool more_first : {true, false}) {
     for (const bool same_scale : {true, false}) {
       CAPTURE(more_first);
@@ -151,7 +151,7 @@ TEST_CASE("two searches on different scales say the same of a place in either or
   }
 }
 
-TEST_CASE("scans that fit less closely than usual speak against what a search finds, new ground does not") {
+TEST_CASE("scans that fit less closely than usual lower the odds of a hypothesis, and new ground does not") {
   for (const std::string map : {"as usual", "rough", "in part"}) {
     CAPTURE(map);
     const bool rough = map == "rough";
@@ -173,7 +173,7 @@ TEST_CASE("scans that fit less closely than usual speak against what a search fi
   }
 }
 
-TEST_CASE("searches that end while a place is being tried speak for and against it") {
+TEST_CASE("searches that end during the test of a hypothesis raise or lower its odds") {
   for (const bool against : {false, true}) {
     CAPTURE(against);
     Displaced robot(TrackerConfig{});

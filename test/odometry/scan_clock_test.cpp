@@ -33,7 +33,7 @@ ScanClock running(int scans) {
 
 }  // namespace
 
-TEST_CASE("one stamp that is far off is rejected and the clock goes on") {
+TEST_CASE("a single wrong stamp is rejected, and the clock goes on") {
   const std::int64_t last = kFirstScan + 19 * kSecond / 10, next = last + kSecond / 10;
   for (const std::int64_t off :
        {std::int64_t{0}, std::int64_t{1}, std::int64_t{1} << 62, last + 3600 * kSecond, last - 3 * kSecond,
@@ -49,7 +49,7 @@ TEST_CASE("one stamp that is far off is rejected and the clock goes on") {
   }
 }
 
-TEST_CASE("a scan without a stamp among stamped ones is of another clock even where its arrival fits") {
+TEST_CASE("a scan without a stamp among stamped scans is of another clock, even if its arrival fits") {
   ScanClock clock = running(5);
   CHECK(clock.read(scan_at(kFirstScan + kSecond / 2, true)).verdict == Verdict::kOtherClock);
   CHECK(clock.read(scan_at(kFirstScan + 6 * kSecond / 10)).verdict == Verdict::kContinues);
@@ -80,7 +80,7 @@ TEST_CASE("three stamps that do not agree with each other are no step") {
   CHECK(clock.read(scan_at(kFirstScan + 2 * kSecond)).verdict == Verdict::kContinues);
 }
 
-TEST_CASE("late and repeated scans are told apart") {
+TEST_CASE("late and repeated scans are distinguished") {
   ScanClock clock = running(20);
   CHECK(clock.read(scan_at(kFirstScan + 19 * kSecond / 10)).verdict == Verdict::kDuplicate);
   CHECK(clock.read(scan_at(kFirstScan + 15 * kSecond / 10)).verdict == Verdict::kBackward);
@@ -95,7 +95,7 @@ TEST_CASE("a pause is a gap of known length up to three seconds and a step beyon
   CHECK(clock.read(scan_at(kFirstScan + 80 * kSecond / 10)).verdict == Verdict::kOtherClock);
 }
 
-TEST_CASE("a slow sensor may be slow") {
+TEST_CASE("a sensor with a period of 20 s is followed, also over missing scans") {
   ScanClock clock;
   for (int i = 0; i < 5; ++i)
     CHECK(clock.read(scan_at(kFirstScan + 20 * i * kSecond)).verdict == Verdict::kContinues);
@@ -103,7 +103,7 @@ TEST_CASE("a slow sensor may be slow") {
   CHECK(clock.read(scan_at(kFirstScan + 160 * kSecond)).verdict == Verdict::kContinues);
 }
 
-TEST_CASE("a first stamp that was wrong gives way") {
+TEST_CASE("a wrong first stamp is given up after two further scans") {
   ScanClock clock;
   clock.read(scan_at(1));
   int rejected = 0;
@@ -112,7 +112,7 @@ TEST_CASE("a first stamp that was wrong gives way") {
   CHECK(rejected == 2);
 }
 
-TEST_CASE("two clocks that interleave are found out and one of them is followed") {
+TEST_CASE("two interleaved clocks are detected, and one of them is followed") {
   ScanClock clock = running(5);
   int interleaved = 0;
   for (int i = 5; i < 30; ++i) {
@@ -136,7 +136,7 @@ double stamped_s(int i) {
 
 }  // namespace
 
-TEST_CASE("of a clock that is irregular late scans are taken in the order of their arrival") {
+TEST_CASE("late scans of an irregular clock are taken in the order of their arrival") {
   ScanClock clock;
   double elapsed = 0;
   for (int i = 0; i < 240; ++i) {
@@ -154,7 +154,7 @@ TEST_CASE("of a clock that is irregular late scans are taken in the order of the
   CHECK(elapsed == doctest::Approx(36).epsilon(0.02));
 }
 
-TEST_CASE("an irregular clock that steps back is followed while it is late") {
+TEST_CASE("an irregular clock that steps back by 0.9 s is followed") {
   ScanClock clock;
   for (int i = 0; i < 200; ++i) {
     const double back = i < 100 ? 0 : 0.9;

@@ -8,7 +8,7 @@
 
 namespace scanlock {
 
-TEST_CASE("the voxel follows how many points are left, and scans of nearly none leave it as it is") {
+TEST_CASE("the voxel size follows the number of remaining points, and nearly empty scans do not change it") {
   const TrackerConfig config;
   VoxelScale scale(config.map_points_per_scan, config.min_voxel_m, config.max_voxel_m);
   const double voxel = scale.current(10.0);

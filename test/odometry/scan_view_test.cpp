@@ -22,7 +22,7 @@ double contradicted_share(const PointCloud& here, const PointCloud& there, const
 
 }  // namespace
 
-TEST_CASE("what columns hide and reveal on the way is no contradiction") {
+TEST_CASE("points that columns hide or reveal between two poses are no contradiction") {
   std::mt19937 rng(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (unsigned k = 0; k < 40; ++k) {
@@ -37,7 +37,7 @@ TEST_CASE("what columns hide and reveal on the way is no contradiction") {
   }
 }
 
-TEST_CASE("a wall where the other scan looked through, and the other way round") {
+TEST_CASE("a wall in the free space of the other scan contradicts, in both directions") {
   const Pose here = Pose::Identity();
   const PointCloud open = seen_from(here, 1);
   PointCloud closed = seen_from(here, 2);
@@ -55,7 +55,7 @@ TEST_CASE("a wall where the other scan looked through, and the other way round")
   CHECK(contradicted_share(closed, open, here) == doctest::Approx(walled).epsilon(0.2));
 }
 
-TEST_CASE("what one of them did not look at is no contradiction") {
+TEST_CASE("points outside the view of the other scan are no contradiction") {
   const Pose here = Pose::Identity();
   const PointCloud all = seen_from(here, 1);
   const PointCloud part = half_of(hall_scan(here, Vector6::Zero(), 0, 2)).points;
@@ -66,7 +66,7 @@ TEST_CASE("what one of them did not look at is no contradiction") {
   CHECK(ScanView().contradicted_share(all, here, ScanView(all)) == 0);
 }
 
-TEST_CASE("another place in the same hall contradicts") {
+TEST_CASE("a scan of another pose in the same hall contradicts") {
   Pose elsewhere = Pose::Identity();
   elsewhere.translation() << -6, 5, 0;
   CHECK(contradicted_share(seen_from(Pose::Identity(), 1), seen_from(elsewhere, 2), Pose::Identity()) > 0.3);

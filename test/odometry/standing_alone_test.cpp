@@ -49,7 +49,7 @@ std::vector<std::uint8_t> alone_of(const PointCloud& cloud, float reach = 1) {
 
 }  // namespace
 
-TEST_CASE("a post before a wall or the sky stands alone, a board that is wide does not") {
+TEST_CASE("a post before a wall or the sky stands alone, and a wide board does not") {
   for (const bool wall : {true, false}) {
     CAPTURE(wall);
     const auto bar = [&](double width) -> Scene {
@@ -79,7 +79,7 @@ TEST_CASE("a post before a wall or the sky stands alone, a board that is wide do
   }
 }
 
-TEST_CASE("points that lie apart on a surface seen at a grazing angle do not stand alone") {
+TEST_CASE("distant points of a surface seen at a grazing angle do not stand alone") {
   // A wall 4 m to the left: from 30 m on its points are more than a metre apart.
   const auto side = [](double azimuth, double) {
     const double range = azimuth > 1e-3 ? 4 / std::sin(azimuth) : 0;
@@ -90,7 +90,7 @@ TEST_CASE("points that lie apart on a surface seen at a grazing angle do not sta
   CHECK(std::count(alone.begin(), alone.end(), 1) <= 16);  // the last point of each beam
 }
 
-TEST_CASE("a sensor that looks at random says nothing of what it does not hit") {
+TEST_CASE("a wall seen by a sensor with a random pattern has no point that stands alone") {
   std::mt19937 rng(3);
   std::uniform_real_distribution<double> uniform(-0.5, 0.5);
   PointCloud cloud;
@@ -102,7 +102,7 @@ TEST_CASE("a sensor that looks at random says nothing of what it does not hit") 
   CHECK(std::count(alone.begin(), alone.end(), 1) == 0);
 }
 
-TEST_CASE("no points, and points above and below, are no trouble") {
+TEST_CASE("clouds without points, and points straight above and below the sensor, are handled") {
   CHECK(alone_of({}).empty());
   PointCloud cloud;
   cloud.push_back(0, 0, 5);

@@ -54,7 +54,7 @@ TEST_CASE("the time is the stamp while the clock is regular") {
   CHECK(timeline.elapsed_s() == doctest::Approx(2));
 }
 
-TEST_CASE("a rejected stamp leaves the time, and the reason names the stamp before it") {
+TEST_CASE("a rejected stamp does not change the time, and the reason names the stamp before it") {
   Timeline timeline = started(20);
   const std::int64_t last = kFirstStamp + 19 * kStampPeriod;
   const std::pair<std::int64_t, ScanVerdict> kBad[] = {{last, ScanVerdict::kDuplicateTime},
@@ -79,7 +79,7 @@ TEST_CASE("stamps in nanoseconds are recognised") {
   CHECK(contains(second.tracked.why, "are these nanoseconds?"));
 }
 
-TEST_CASE("a step of the clock, either way, advances the time by the longest gap that it may hide") {
+TEST_CASE("a clock step in either direction advances the time by the longest gap that it may hide") {
   for (const std::int64_t by : {-86400 * kOneSecond, 86400 * kOneSecond}) {
     Timeline timeline = started(20);
     const std::int64_t last = kFirstStamp + 19 * kStampPeriod;

@@ -128,7 +128,7 @@ Scan bridge_scan(int i, double speed, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("a robot that crosses a bridge as it is first seen has the velocity of its way from scan to scan") {
+TEST_CASE("a robot that starts in motion on a bridge has the velocity of its motion from scan to scan") {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     CAPTURE(seed);
     Tracker tracker(TrackerConfig{});
@@ -154,7 +154,7 @@ TEST_CASE("a drive with motion within the scans is tracked to centimetres with i
   CHECK((tracked.twist - twist(2.0, 0, 0.6)).norm() < 0.1);
 }
 
-TEST_CASE("a pose gets no worse in a known hall, and worse on the way to where nothing is known" *
+TEST_CASE("the covariance does not grow in a known hall, and grows on the way into unknown ground" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const auto sigma = [](const TrackedScan& tracked) {
@@ -187,7 +187,7 @@ TEST_CASE("a pose gets no worse in a known hall, and worse on the way to where n
   CHECK(sigma(tracked) > 1.5 * near_start);
 }
 
-TEST_CASE("standing still the pose stays where it is") {
+TEST_CASE("the pose of a sensor at rest does not move") {
   const Frame frame = each_frame();
   const Drive drive(at(1, 0, 0.3), Vector6::Zero());
   FramedTracker tracker(TrackerConfig{}, frame);
@@ -198,7 +198,7 @@ TEST_CASE("standing still the pose stays where it is") {
   }
 }
 
-TEST_CASE("a start at rest is taken for one" * doctest::test_suite("long drives")) {
+TEST_CASE("starts at rest drift by less than 2 mm on average" * doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   constexpr unsigned kStarts = 15;
   double drift = 0;  // metres in a second: the effect of a false motion of the first scan
@@ -212,7 +212,7 @@ TEST_CASE("a start at rest is taken for one" * doctest::test_suite("long drives"
   CHECK(drift < 0.0018);
 }
 
-TEST_CASE("on bare ground a few posts tell a start in motion, and how far it goes") {
+TEST_CASE("on bare ground a few posts are sufficient to find the speed of a start in motion") {
   const Frame frame = each_frame();
   std::mt19937 rng(5);
   std::uniform_real_distribution<double> along(-60, 80), aside(8, 30);
@@ -230,7 +230,7 @@ TEST_CASE("on bare ground a few posts tell a start in motion, and how far it goe
   }
 }
 
-TEST_CASE("a planar sensor is followed in its plane, and what it cannot see is named") {
+TEST_CASE("a planar sensor is tracked in its plane, and the axes that it cannot observe are reported") {
   const Frame frame = each_frame();
   const Vector6 velocity = twist(2.0, 0, 0.6);
   const Pose start = at(-6, -1, 0.1);
@@ -252,7 +252,7 @@ TEST_CASE("a planar sensor is followed in its plane, and what it cannot see is n
   }
 }
 
-TEST_CASE("a planar sensor between walls within reach is followed and known") {
+TEST_CASE("a planar sensor between near walls is tracked, and TRACKING in at least 30 of 40 scans") {
   const Vector6 velocity = twist(0, 0, 0.6);
   Tracker tracker({});
   int known = 0;
@@ -269,7 +269,7 @@ TEST_CASE("a planar sensor between walls within reach is followed and known") {
   CHECK(known >= 30);  // of 40 scans; the first has no map yet
 }
 
-TEST_CASE("odometry does not lift a planar sensor out of its plane") {
+TEST_CASE("auxiliary odometry does not lift a planar sensor out of its plane") {
   const Frame frame = each_frame();
   const Vector6 velocity = twist(2.0, 0, 0.6);
   Vector6 askew = 0.1 * velocity;
@@ -316,7 +316,7 @@ TEST_CASE("the result does not depend on the number of threads") {
   }
 }
 
-TEST_CASE("a carried sensor is never reported as tracking a guess and the map freezes until it is back") {
+TEST_CASE("a carried sensor is not TRACKING at a predicted pose, and the map is frozen until it returns") {
   const Frame frame = each_frame();
   const Drive drive(at(-6, -1, 0.1), twist(0.5, 0, 0));
   FramedTracker tracker(TrackerConfig{}, frame);
@@ -340,7 +340,7 @@ TEST_CASE("a carried sensor is never reported as tracking a guess and the map fr
   CHECK((drive.pose(0).inverse() * drive.pose(15)).isApprox(back.map_from_body, 0.02));
 }
 
-TEST_CASE("who is lost and sees goes on in a new map") {
+TEST_CASE("a lost robot that has scans goes on in a new map") {
   const Frame frame = each_frame();
   TrackerConfig config;
   config.new_map_after_s = 1;
@@ -373,7 +373,7 @@ TEST_CASE("who is lost and sees goes on in a new map") {
   CHECK_FALSE(tracker.take_request());  // its own map is the active one
 }
 
-TEST_CASE("a turn that no robot makes is not believed, however well its scan fits") {
+TEST_CASE("a turn that no robot makes is not accepted from one scan, however well the scan fits") {
   const Frame frame = each_frame();
   const Pose start = at(1, 0.5, 0);
   const auto scan = [&](int i, const Pose& pose) {
@@ -394,7 +394,7 @@ TEST_CASE("a turn that no robot makes is not believed, however well its scan fit
   }
 }
 
-TEST_CASE("a robot that turned unseen is believed there once a search or another sensor confirms it") {
+TEST_CASE("a turn during a gap is accepted once a search or auxiliary odometry confirms it") {
   const Frame frame = each_frame();
   const Pose start = at(1, 0.5, 0);
   const Vector6 velocity = twist(-2, 0.5, 85 * kDegree);
@@ -423,7 +423,7 @@ TEST_CASE("a robot that turned unseen is believed there once a search or another
   }
 }
 
-TEST_CASE("a place beside the way that looks alike is not believed when doors have changed at once") {
+TEST_CASE("a similar pose beside the path is not accepted if doors have changed at the same time") {
   const Frame frame = each_frame();
   const Pose start = at(1, 0.5, 0), aside = at(1.03, 0.58, 0.02);
   const auto scan = [&](int i, const Pose& pose, bool open) {
@@ -477,7 +477,7 @@ TEST_CASE("a place beside the way that looks alike is not believed when doors ha
   CHECK(last.epoch == 0);
 }
 
-TEST_CASE("what a cover hid does not surprise when it is taken away") {
+TEST_CASE("tracking continues when a cover is taken away and new surroundings appear") {
   const Frame frame = each_frame();
   const Drive drive(at(-6, -1, 0), twist(1, 0, 0));
   FramedTracker tracker(TrackerConfig{}, frame);
@@ -491,7 +491,7 @@ TEST_CASE("what a cover hid does not surprise when it is taken away") {
   }
 }
 
-TEST_CASE("the motion of the first scans is not taken from one that is covered") {
+TEST_CASE("covered scans do not determine the motion of the start") {
   // A hand before the sensor leaves a piece of one wall visible, which fits at every rotation about its
   // normal.
   const auto through_fingers = [](float x, float y, float z) {
@@ -513,7 +513,7 @@ TEST_CASE("the motion of the first scans is not taken from one that is covered")
   }
 }
 
-TEST_CASE("in a tunnel the robot goes on as it came, and says that it does not see how far" *
+TEST_CASE("in a tunnel the velocity is kept, and the axis of the tunnel is reported as unconstrained" *
           doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   const double speed = 8;
@@ -529,7 +529,7 @@ TEST_CASE("in a tunnel the robot goes on as it came, and says that it does not s
   CHECK(std::sqrt(tracked.covariance(0, 0)) > 0.3);  // metres: the covariance shows the unknown direction
 }
 
-TEST_CASE("a tunnel that looks another way than the map of it is not taken for another place") {
+TEST_CASE("a tunnel that looks different from its map is not taken for another pose") {
   const Frame frame = each_frame();
   // Metres; no surface constrains the motion along the tunnel.
   const auto way = [](double t) { return 200 + 8 * t; };
@@ -545,7 +545,7 @@ TEST_CASE("a tunnel that looks another way than the map of it is not taken for a
   }
 }
 
-TEST_CASE("a map that begins where the position is not known is uncertain at first, and then another epoch") {
+TEST_CASE("a map that begins at an unknown position is DEGRADED at first, and then TRACKING in a new epoch") {
   const Frame frame = each_frame();
   TrackerConfig config = tunnel_config();
   config.new_map_after_s = 2;
@@ -564,7 +564,7 @@ TEST_CASE("a map that begins where the position is not known is uncertain at fir
   CHECK(tracked.state == TrackingState::kTracking);
 }
 
-TEST_CASE("a pose that is told ends the uncertainty of a map that began where the position was not known") {
+TEST_CASE("set_pose ends the uncertainty of a map that began at an unknown position") {
   const Frame frame = each_frame();
   FramedTracker tracker(tunnel_config(), frame);
   for (int i = 0; i < 15; ++i) tracker.track(tunnel_scan(i, [](double t) { return 200 + 8 * t; }));
@@ -577,7 +577,7 @@ TEST_CASE("a pose that is told ends the uncertainty of a map that began where th
   CHECK(tracked.state == TrackingState::kTracking);
 }
 
-TEST_CASE("a robot that knew where it stood, but not its heading, looks for its place when it is lost") {
+TEST_CASE("a lost robot of known position and unknown heading is searched for") {
   const auto silo = [](int k, int points) {  // seen from its middle: all headings fit
     std::mt19937 random(static_cast<unsigned>(k));
     std::uniform_real_distribution<double> uniform(-1, 1);
@@ -603,7 +603,8 @@ TEST_CASE("a robot that knew where it stood, but not its heading, looks for its 
   CHECK(tracked.state == TrackingState::kRecovering);
 }
 
-TEST_CASE("in a tunnel odometry says how far the robot went" * doctest::test_suite("long drives")) {
+TEST_CASE("in a tunnel auxiliary odometry determines the distance driven" *
+          doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   // It brakes where no surface constrains the motion along the tunnel, and then stands.
   const auto way = [](double t) {
@@ -622,8 +623,7 @@ TEST_CASE("in a tunnel odometry says how far the robot went" * doctest::test_sui
   CHECK(std::abs(tracked.twist[0]) < 0.2);
 }
 
-TEST_CASE("a scan of which the map knows little is tracked, and said to be so" *
-          doctest::test_suite("long drives")) {
+TEST_CASE("a scan that the map covers little is tracked, and DEGRADED" * doctest::test_suite("long drives")) {
   const Frame frame = each_frame();
   // Not every such scan is tracked: from many starts six in ten are, and most of these robots track again
   // soon. Which ones depends on the last bits of the points.
@@ -649,7 +649,7 @@ TEST_CASE("a scan of which the map knows little is tracked, and said to be so" *
   CHECK(back >= 2);
 }
 
-TEST_CASE("scans that cannot be tracked are named and leave the tracker usable") {
+TEST_CASE("scans that cannot be tracked are reported by kind, and later scans are tracked") {
   const Frame frame = each_frame();
   const Drive drive(at(0, 0, 0), twist(1, 0, 0));
   FramedTracker tracker(TrackerConfig{}, frame);
@@ -676,7 +676,7 @@ TEST_CASE("scans that cannot be tracked are named and leave the tracker usable")
   CHECK(drive.error(10, again).head<3>().norm() < 0.05);
 }
 
-TEST_CASE("a clock that steps leaves pose, map and epoch, and a single stamp off nothing but its scan") {
+TEST_CASE("a clock step keeps pose, map and epoch, and a single wrong stamp costs its scan only") {
   const Frame frame = each_frame();
   const Drive drive(at(-4, 0, 0), twist(1, 0, 0));
   FramedTracker tracker(TrackerConfig{}, frame);
@@ -701,7 +701,7 @@ TEST_CASE("a clock that steps leaves pose, map and epoch, and a single stamp off
   }
 }
 
-TEST_CASE("a log that loops is a kidnap to its beginning") {
+TEST_CASE("a log that is played in a loop is a kidnap to its beginning") {
   const Frame frame = each_frame();
   const Drive drive(at(-6, -1, 0), twist(2, 0, 0));
   FramedTracker tracker(TrackerConfig{}, frame);

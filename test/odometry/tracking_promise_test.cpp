@@ -9,7 +9,7 @@
 
 namespace scanlock {
 
-TEST_CASE("one normal vector in a hundred is longer than the bound, whatever its covariance") {
+TEST_CASE("one normal vector in a hundred exceeds the bound, whatever its covariance") {
   std::mt19937 random(7);
   std::normal_distribution<double> normal(0.0, 1.0);
   for (const Eigen::Vector3d& sigmas :
@@ -31,8 +31,7 @@ TEST_CASE("one normal vector in a hundred is longer than the bound, whatever its
 }
 
 TEST_CASE(
-    "axes are unknown where their bound exceeds what TRACKING promises, and the worst one where only all "
-    "do") {
+    "axes beyond the bounds of TRACKING are unknown, and the worst axis if only all together exceed them") {
   Matrix6 covariance = Matrix6::Zero();
   covariance.diagonal() << 1e-6, 0.1, 1e-6, 1e-8, 1e-8, 1.0;
   CHECK(unknown_axes(covariance, 0x3f) == 0b100010u);

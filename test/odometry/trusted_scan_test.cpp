@@ -27,7 +27,7 @@ TEST_CASE("a motion that changes from one scan to the next is no contradiction")
   CHECK(contradiction(last, 100000, prepared(here, now, 2), {here, before}) > 0.05);
 }
 
-TEST_CASE("two places contradict, but for those who do not know what was there a moment ago") {
+TEST_CASE("scans of two positions contradict, unless the rays of the first are missing or 4 s old") {
   const Pose here = Pose::Identity(), other(Eigen::Translation3d(-6, 5, 0));
   const PreparedScan first = prepared(here, Vector6::Zero(), 1), second = prepared(other, Vector6::Zero(), 2);
   TrustedScan last = trusted_scan(0, first, {here, Vector6::Zero()});

@@ -9,7 +9,7 @@
 
 namespace scanlock {
 
-TEST_CASE("an index of voxels is a map, also after points are gone and others have new numbers") {
+TEST_CASE("a voxel index behaves as a std::map, also after points were removed and renumbered") {
   std::mt19937 random(3);
   VoxelIndex index;
   std::map<std::uint64_t, std::uint32_t> judge;

@@ -50,7 +50,7 @@ TEST_CASE("the tree gives the neighbours of brute force") {
   }
 }
 
-TEST_CASE("a distance bound hides what is beyond it and nothing else") {
+TEST_CASE("a distance bound excludes exactly the points beyond it") {
   const PointCloud cloud = random_cloud(2000, 3, 10.0f);
   const PointCloud queries = random_cloud(300, 4, 12.0f);
   const KdTree tree(cloud);

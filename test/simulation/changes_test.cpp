@@ -53,7 +53,7 @@ TEST_CASE("changes - another drive goes another way in the same world") {
   }
 }
 
-TEST_CASE("changes - what was moved is as much as asked for, and the rest stands where it stood") {
+TEST_CASE("changes - the requested share of objects is moved, and the others stay where they were") {
   for (const WorldKind kind : {WorldKind::kUrban, WorldKind::kIndoor}) {
     const World world = make_world(kind, 4, {60});
     double last = 1;
@@ -71,7 +71,7 @@ TEST_CASE("changes - what was moved is as much as asked for, and the rest stands
   }
 }
 
-TEST_CASE("changes - worlds in which nothing stands about refuse them") {
+TEST_CASE("changes - worlds without movable objects refuse changes") {
   for (const WorldKind kind : {WorldKind::kForest, WorldKind::kTunnel, WorldKind::kField})
     CHECK_THROWS_AS(make_world(kind, 4, visit_of(0.1)), std::invalid_argument);
   CHECK_NOTHROW(make_world(WorldKind::kForest, 4, visit_of(0)));

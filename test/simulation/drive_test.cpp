@@ -63,7 +63,7 @@ TEST_CASE("drive - velocity and acceleration are continuous and bounded, turns a
   }
 }
 
-TEST_CASE("drive - one that starts in motion has that speed at once and brakes to its own as a vehicle can") {
+TEST_CASE("drive - a start in motion has its speed at once, and brakes to the usual speed as a vehicle can") {
   for (const WorldKind kind : {WorldKind::kUrban, WorldKind::kForest}) {
     for (const double start : {2.0, 15.0, 30.0}) {
       const World world = make_world(kind, 4, {30, 0, 0, start});
@@ -126,7 +126,7 @@ TEST_CASE("drive - a kidnap before 3 m are driven is refused") {
   CHECK_THROWS_AS(drive_of(world, 20, {parse_event("kidnap@0.5")}), std::invalid_argument);
 }
 
-TEST_CASE("event - words become kinds and times") {
+TEST_CASE("event - texts are parsed to kinds and times") {
   const SimulationEvent event = parse_event("blackout@12.5+3");
   CHECK(event.kind == EventKind::kBlackout);
   CHECK(event.time_s == 12.5);

@@ -119,7 +119,7 @@ TEST_CASE("laps - the drive comes by each place once a lap, in the same directio
   }
 }
 
-TEST_CASE("laps - they are as long as is told, for every seed, and go through nothing") {
+TEST_CASE("laps - the lap length is within its range for every seed, without collisions") {
   struct Expectation {
     WorldKind kind;
     double shortest, longest, radius;  // metres
@@ -198,7 +198,7 @@ TEST_CASE("laps - seconds end a drive of laps where they come first, and events 
   CHECK_THROWS_AS(Simulator{config}, std::invalid_argument);
 }
 
-TEST_CASE("laps - what cannot be driven in laps is refused") {
+TEST_CASE("laps - a tunnel, a wrong number of laps and too long a drive are refused") {
   CHECK_THROWS_WITH_AS(Simulator{laps_of(WorldKind::kTunnel, 2)}, doctest::Contains("tunnel has no laps"),
                        std::invalid_argument);
   CHECK_THROWS_AS(Simulator{laps_of(WorldKind::kIndoor, 0)}, std::invalid_argument);

@@ -23,7 +23,7 @@ Eigen::Vector3d random_direction(Random& random) {
 
 }  // namespace
 
-TEST_CASE("scene - the grid finds what trying every shape finds, in every world") {
+TEST_CASE("scene - the grid gives the hit that a test of every shape gives, in every world") {
   for (const WorldKind kind :
        {WorldKind::kUrban, WorldKind::kIndoor, WorldKind::kForest, WorldKind::kTunnel, WorldKind::kField}) {
     const World world = make_world(kind, 5, {20});

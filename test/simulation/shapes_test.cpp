@@ -87,7 +87,7 @@ TEST_CASE("ellipsoid - solid at its surface, leaves within it and thinning with 
   CHECK(hits / 4000.0 == doctest::Approx(1 - std::exp(-1.0)).epsilon(0.02));  // 2 m at 0.5 hits a metre
 }
 
-TEST_CASE("bounds - hold the shape and touch it") {
+TEST_CASE("bounds - they enclose the shape and touch it") {
   Cylinder cylinder;
   cylinder.base = {1, 2, 3};
   cylinder.axis = Eigen::Vector3d(1, 0, 0);

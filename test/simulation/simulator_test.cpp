@@ -103,7 +103,7 @@ TEST_CASE("simulator - the true motion puts the points of a turning scan on the 
   }
 }
 
-TEST_CASE("simulator - noise has the size asked for") {
+TEST_CASE("simulator - noise has the requested size") {
   SimulationConfig config = config_of(WorldKind::kIndoor, LidarKind::kPlanar, 3);
   config.noise_m = 0;
   const auto clean = all_scans(config);
@@ -194,7 +194,7 @@ TEST_CASE("simulator - every lidar in every world sees something, finite and wit
     }
 }
 
-TEST_CASE("simulator - the rosette leaves no gap, and does not come back to itself turned") {
+TEST_CASE("simulator - the rosette leaves no gap, and the next scan is no rotated copy") {
   const LidarModel mid360 = LidarModel::of(LidarKind::kMid360);
   // The azimuths, degrees, at which its scan lines cross the elevation of 20 degrees.
   const auto crossings = [&](std::int64_t scan) {
@@ -233,7 +233,7 @@ TEST_CASE("simulator - without distortion every point is taken at the stamp") {
                     [](float t) { return t == 0; }));
 }
 
-TEST_CASE("simulator - truth holds at the stamp and steps as the velocity says") {
+TEST_CASE("simulator - the true pose holds at the stamp, and its steps agree with the velocity") {
   for (const bool stamp_at_end : {false, true}) {
     SimulationConfig config = config_of(WorldKind::kUrban, LidarKind::kPlanar, 30);
     config.stamp_at_end = stamp_at_end;
@@ -248,7 +248,7 @@ TEST_CASE("simulator - truth holds at the stamp and steps as the velocity says")
   }
 }
 
-TEST_CASE("simulator - events do what they say") {
+TEST_CASE("simulator - dropout, blackout, halfview and kidnap have their effects") {
   SimulationConfig config = config_of(WorldKind::kUrban, LidarKind::kVlp16, 12);
   config.threads = 2;
   config.events = {parse_event("dropout@2+1"), parse_event("blackout@4+1"), parse_event("halfview@6+1"),
@@ -284,7 +284,7 @@ TEST_CASE("simulator - events do what they say") {
   CHECK(largest_step < 1.5);  // 14 m/s
 }
 
-TEST_CASE("simulator - a configuration without sense is refused") {
+TEST_CASE("simulator - an invalid configuration is refused") {
   SimulationConfig config;
   config.seconds = 0;
   CHECK_THROWS_AS(Simulator{config}, std::invalid_argument);
