@@ -154,21 +154,25 @@ std::string seen_from_above(const Comparison& comparison) {
 
 std::string height_over_the_way(const Comparison& comparison) {
   const Pose& overlay = picture_overlay(comparison);
-  Points2 reference, estimate;
+  Points2 reference;
+  std::vector<Stretch> estimate;
   std::vector<double> heights;
-  for (std::size_t i = 0; i < comparison.pairs.size(); ++i) {
-    const PosePair& pair = comparison.pairs[i];
+  for (const PosePair& pair : comparison.pairs) {
     const double way = pair.way_m - comparison.pairs.front().way_m;
     reference.push_back({way, pair.reference.translation().z()});
-    estimate.push_back({way, (overlay * pair.estimate.translation()).z()});
+    const bool tracking = claims_to_track(comparison.states, pair.time_s);
+    if (estimate.empty() || estimate.back().tracking != tracking) estimate.push_back({tracking, {}});
+    estimate.back().line.push_back({way, (overlay * pair.estimate.translation()).z()});
     heights.push_back(reference.back().y());
-    heights.push_back(estimate.back().y());
+    heights.push_back(estimate.back().line.back().y());
   }
   const double way = std::max(comparison.evaluation.length_m, 1e-3);
   const Range height = range_of(heights, 0.1, 0.1);
   const SvgPanel side({kLeft, 660, kPanelWidth, 120}, {0, height.min}, {way, height.max});
-  return side.grid("way (m)", "height z (m)", 9, 4) + side.line(reference, "reference") +
-         side.line(estimate, "estimate");
+  std::string svg = side.grid("distance (m)", "height z (m)", 9, 4) + side.line(reference, "reference");
+  for (const Stretch& stretch : estimate)
+    svg += side.line(stretch.line, stretch.tracking ? "estimate" : "lost");
+  return svg;
 }
 
 /// The errors of the tracked poses, in connected pieces; of all poses when they are not split.
@@ -194,7 +198,8 @@ std::string error_over_the_way(const Comparison& comparison) {
     for (const Eigen::Vector2d& point : piece) most = std::max(most, 1.1 * point.y());
   const double way = std::max(comparison.evaluation.length_m, 1e-3);
   const SvgPanel below({kLeft, 840, kPanelWidth, 120}, {0, 0}, {way, most});
-  std::string svg = below.grid("way (m)", is_split(comparison) ? "error, tracking (m)" : "error (m)", 9, 4);
+  std::string svg =
+      below.grid("distance (m)", is_split(comparison) ? "error, tracking (m)" : "error (m)", 9, 4);
   for (const Kidnap& kidnap : comparison.kidnaps.kidnaps) {
     const auto at = std::find_if(comparison.pairs.begin(), comparison.pairs.end(),
                                  [&](const PosePair& pair) { return pair.time_s >= kidnap.time_s - 1e-3; });

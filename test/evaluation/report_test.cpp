@@ -154,7 +154,7 @@ TEST_CASE("a kidnap is marked, and poses that do not track are drawn separately"
   CHECK(count(svg, "class=\"reference\"") == 2 + 1 + 1);  // two pieces, the legend, the height
   CHECK(count(svg, "kidnapped 9.") == 1);
   CHECK(count(svg, "not recovered") == 1);
-  CHECK(count(svg, "class=\"lost\"") == 1 + 1);
+  CHECK(count(svg, "class=\"lost\"") == 1 + 1 + 1);  // the path from above, the legend, the height
   comparison.split = split_errors(comparison.pairs, comparison.states, comparison.kidnaps, Overlay::kNone);
   CHECK(is_balanced(trajectory_svg(comparison)));
   CHECK(count(trajectory_svg(comparison), "error, tracking (m)") == 1);
