@@ -25,6 +25,7 @@ inline void report_map(const ConvertOptions& options, const SavedMap& map, std::
 }
 
 inline void cloud_to_map(const ConvertOptions& options) {
+  check_map_path(options.output);
   CloudMapOptions how;
   how.threads = machine_threads();
   how.map_from_cloud = Pose(level_rotation(axis_of(options.up)));
@@ -60,6 +61,7 @@ inline void map_to_cloud(const ConvertOptions& options) {
 }
 
 inline void merge_map_files(const ConvertOptions& options) {
+  check_map_path(options.merged);
   const SavedMap first = read_map(options.input), second = read_map(options.output);
   MapMerge merged;
   {

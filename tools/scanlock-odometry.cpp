@@ -216,7 +216,10 @@ int run(const Options& options) {
        {options.tum_path, options.kitti_path, options.output_path, options.map_path, options.picture_path},
        ""},
       options.force);
-  if (!options.map_path.empty() && !has_extension(options.map_path, {".map"}))
+  const bool to_map_file = has_extension(options.map_path, {".map"});
+  if (to_map_file)
+    check_map_path(options.map_path);
+  else if (!options.map_path.empty())
     check_cloud_path(options.map_path);
   check_picture_path(options.picture_path);
   if (!options.start_map_path.empty() && !std::filesystem::exists(options.start_map_path))
@@ -240,7 +243,7 @@ int run(const Options& options) {
   sink->close();
   const std::string why = replay.why_no_scan(), damage = replay.damage();
   if (!why.empty()) throw std::runtime_error(why + (damage.empty() ? "" : " (" + damage + ")"));
-  if (has_extension(options.map_path, {".map"}))
+  if (to_map_file)
     write_map(options.map_path, pipeline.saved_map());
   else if (!options.map_path.empty())
     write_cloud(options.map_path, pipeline.map());

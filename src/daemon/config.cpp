@@ -121,16 +121,18 @@ void read_value(const toml::node& node, const ConfigKey& key, const std::string&
 }
 
 [[noreturn]] void fail_unknown(const std::string& where, const std::string& name) {
-  std::vector<std::string> known;
-  for (const auto& key : config_keys()) known.push_back(full_name(key));
-  std::string nearest = nearest_name(name, known);
-  // A key outside of its table, and a misspelt table.
-  for (const auto& key : config_keys())
-    if (key.name == name) nearest = name + " in the table [" + key.section + "]";
-  std::vector<std::string> tables;
-  for (const auto& key : config_keys()) tables.push_back(key.section);
-  if (nearest.empty() && !nearest_name(name, tables).empty())
-    nearest = "[" + nearest_name(name, tables) + "]";
+  std::vector<std::string> known, tables;
+  std::string nearest;
+  for (const auto& key : config_keys()) {
+    known.push_back(full_name(key));
+    tables.push_back(key.section);
+    if (key.name == name) nearest = name + " in the table [" + key.section + "]";  // outside of its table
+  }
+  if (nearest.empty()) nearest = nearest_name(name, known);
+  if (nearest.empty()) {
+    const std::string table = nearest_name(name, tables);
+    if (!table.empty()) nearest = "[" + table + "]";
+  }
   fail(where, name,
        "unknown key; " + (nearest.empty() ? "scanlockd --print-config lists all of them"
                                           : "did you mean " + nearest + "?"));

@@ -97,14 +97,24 @@ struct Stretch {
   Points2 line;
 };
 
+void extend(std::vector<Stretch>& stretches, bool tracking, const Eigen::Vector2d& point) {
+  if (stretches.empty() || stretches.back().tracking != tracking) stretches.push_back({tracking, {}});
+  stretches.back().line.push_back(point);
+}
+
+std::string lines(const std::vector<Stretch>& stretches, const SvgPanel& panel) {
+  std::string svg;
+  for (const Stretch& stretch : stretches)
+    svg += panel.line(stretch.line, stretch.tracking ? "estimate" : "lost");
+  return svg;
+}
+
 std::vector<Stretch> estimate_stretches(const Comparison& comparison) {
   const Pose& overlay = picture_overlay(comparison);
   std::vector<Stretch> stretches;
-  for (const StampedPose& stamped : comparison.estimate) {
-    const bool tracking = claims_to_track(comparison.states, stamped.time_s);
-    if (stretches.empty() || stretches.back().tracking != tracking) stretches.push_back({tracking, {}});
-    stretches.back().line.push_back((overlay * stamped.pose.translation()).head<2>());
-  }
+  for (const StampedPose& stamped : comparison.estimate)
+    extend(stretches, claims_to_track(comparison.states, stamped.time_s),
+           (overlay * stamped.pose.translation()).head<2>());
   return stretches;
 }
 
@@ -142,8 +152,7 @@ std::string seen_from_above(const Comparison& comparison) {
   const Eigen::Vector2d start = estimate.front().line.front(), end = estimate.back().line.back();
   std::string svg = panel.grid("x (m)", "y (m)", 9, 6);
   for (const Points2& piece : reference) svg += panel.line(piece, "reference");
-  for (const Stretch& stretch : estimate)
-    svg += panel.line(stretch.line, stretch.tracking ? "estimate" : "lost");
+  svg += lines(estimate, panel);
   svg += panel.square(reference.back().back(), "reference-end") + panel.square(end, "estimate-end");
   svg += panel.circle(start, "start");
   const bool loop = (panel.to_pixels(start) - panel.to_pixels(end)).norm() < 60;
@@ -160,19 +169,16 @@ std::string height_over_the_way(const Comparison& comparison) {
   for (const PosePair& pair : comparison.pairs) {
     const double way = pair.way_m - comparison.pairs.front().way_m;
     reference.push_back({way, pair.reference.translation().z()});
-    const bool tracking = claims_to_track(comparison.states, pair.time_s);
-    if (estimate.empty() || estimate.back().tracking != tracking) estimate.push_back({tracking, {}});
-    estimate.back().line.push_back({way, (overlay * pair.estimate.translation()).z()});
+    extend(estimate, claims_to_track(comparison.states, pair.time_s),
+           {way, (overlay * pair.estimate.translation()).z()});
     heights.push_back(reference.back().y());
     heights.push_back(estimate.back().line.back().y());
   }
   const double way = std::max(comparison.evaluation.length_m, 1e-3);
   const Range height = range_of(heights, 0.1, 0.1);
   const SvgPanel side({kLeft, 660, kPanelWidth, 120}, {0, height.min}, {way, height.max});
-  std::string svg = side.grid("distance (m)", "height z (m)", 9, 4) + side.line(reference, "reference");
-  for (const Stretch& stretch : estimate)
-    svg += side.line(stretch.line, stretch.tracking ? "estimate" : "lost");
-  return svg;
+  return side.grid("distance (m)", "height z (m)", 9, 4) + side.line(reference, "reference") +
+         lines(estimate, side);
 }
 
 /// The errors of the tracked poses, in connected pieces; of all poses when they are not split.

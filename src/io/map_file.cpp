@@ -20,17 +20,6 @@ namespace {
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 32;  // a cloud of 1e8 points takes up to 1.2 GB
 
-/// A wrong path on the command line must not destroy a file that is not a map.
-void refuse_other_files(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) == 0) return;
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, kMagic.size()> start{};
-  file.read(start.data(), start.size());
-  if (!file || std::memcmp(start.data(), kMagic.data(), kMagic.size()) != 0)
-    throw std::runtime_error(path + ": exists and is not a scanlock map; it is not overwritten");
-}
-
 }  // namespace
 
 std::vector<std::uint8_t> encode_map(const SavedMap& map) {
@@ -44,8 +33,18 @@ SavedMap decode_map(const std::vector<std::uint8_t>& bytes, const std::string& n
   return decode_map(source, name);
 }
 
+void check_map_path(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) == 0) return;
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, kMagic.size()> start{};
+  file.read(start.data(), start.size());
+  if (!file || std::memcmp(start.data(), kMagic.data(), kMagic.size()) != 0)
+    throw std::runtime_error(path + ": exists and is not a scanlock map; it is not overwritten");
+}
+
 void write_map(const std::string& path, const SavedMap& map) {
-  refuse_other_files(path);
+  check_map_path(path);
   write_file_atomically(path, [&](const TakeBytes& take) { encode_map(map, take); });
 }
 

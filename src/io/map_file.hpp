@@ -41,8 +41,12 @@ std::vector<std::uint8_t> encode_map(const SavedMap& map);
 /// version, is damaged or is cut. A size is accepted only when the bytes for it are present.
 SavedMap decode_map(const std::vector<std::uint8_t>& bytes, const std::string& name);
 
+/// Throws std::runtime_error when the file exists and is not a map: a wrong path on the command line must not
+/// destroy it.
+void check_map_path(const std::string& path);
+
 /// Replaces the file atomically (see write_file_atomically()). Throws std::runtime_error naming the path,
-/// also when the existing file is not a map (it is then left unchanged), and PointsUnreadable.
+/// also as check_map_path() does, and PointsUnreadable; the file is left unchanged then.
 void write_map(const std::string& path, const SavedMap& map);
 
 /// Reads a map. The points stay in the file, which is kept open: see KeyframePoints. Replacing the file by

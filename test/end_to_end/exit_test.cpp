@@ -148,6 +148,9 @@ TEST_CASE("without a multicast route the daemon waits with instructions, and wor
   while (!contains(daemon.errors(), "cannot receive") && !daemon.wait(milliseconds(50))) {
   }
   CHECK(contains(daemon.errors(), "ip link set lo up"));
+  const Result command = run(folder, {"scanlock-command", "-l", network.url(), "reset"});
+  CHECK(command.code == 1);
+  CHECK(contains(command.errors, "nothing can be received; see scanlockd --check"));
   CHECK_FALSE(daemon.wait(milliseconds(500)).has_value());
   network.add_route();
   Listener listener(network.url());

@@ -75,6 +75,11 @@ TEST_CASE(
   const std::string same = folder / "same.map";
   REQUIRE(run(folder, {"scanlock-odometry", log, "--map", same}).code == 0);
   CHECK(read_file(same) == map_bytes);
+  write_file(same, "notes");
+  const Result refused = run(folder, {"scanlock-odometry", log, "--map", same, "--force"});
+  CHECK(refused.code == 1);
+  CHECK(contains(refused.errors, "is not a scanlock map"));
+  CHECK(read_file(same) == "notes");
 
   const Result there = run(
       folder, {"scanlock-odometry", other, "--start-map", cloud, "--poses", folder / "run.tum", "--json"});
