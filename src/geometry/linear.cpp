@@ -10,7 +10,8 @@
 namespace scanlock {
 namespace {
 
-/// Matrices of 12 or 18 rows share one instantiation of LDLT, which takes seconds to compile. On the stack.
+/// Matrices of 6, 12 or 18 rows share one instantiation of each decomposition, which takes seconds to
+/// compile. On the stack.
 using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 18, 18>;
 using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 18, 1>;
 
@@ -21,7 +22,7 @@ Column solve(const Square& a, const Column& b) {
 }  // namespace
 
 Vector6 solve(const Matrix6& a, const Vector6& b) {
-  return a.ldlt().solve(b);
+  return solve(Square(a), Column(b));
 }
 
 Vector12 solve(const Matrix12& a, const Vector12& b) {
@@ -43,18 +44,18 @@ Matrix12 inverse(const Matrix12& a) {
 }
 
 Matrix6 inverse(const Matrix6& a) {
-  const Eigen::PartialPivLU<Matrix6> factors(a);
+  const Eigen::PartialPivLU<Square> factors(a);
   Matrix6 inverse;
-  for (int i = 0; i < 6; ++i) inverse.col(i) = factors.solve(Vector6::Unit(i).eval());
+  for (int i = 0; i < 6; ++i) inverse.col(i) = factors.solve(Column(Vector6::Unit(i)));
   return inverse;
 }
 
 Matrix6 cholesky(const Matrix6& a) {
-  return a.llt().matrixL();
+  return Square(a).llt().matrixL();
 }
 
 SymmetricEigen<6> symmetric_eigen(const Matrix6& a) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(a);
+  const Eigen::SelfAdjointEigenSolver<Square> solver(a);
   if (solver.info() == Eigen::Success) return {solver.eigenvalues(), solver.eigenvectors()};
   return {Vector6::Constant(std::numeric_limits<double>::quiet_NaN()), Matrix6::Identity()};
 }

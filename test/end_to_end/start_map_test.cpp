@@ -64,7 +64,7 @@ TEST_CASE(
   REQUIRE(simulate(log, "os1-64") == 0);
   REQUIRE(simulate(other, "vlp16") == 0);
   const std::string site = folder / "site.map", cloud = folder / "site.ply";
-  REQUIRE(run(folder, {"scanlockd", "-l", "file://" + log, "--out-url",
+  REQUIRE(run(folder, {"scanlockd", "-l", "file://" + log + "?speed=0", "--out-url",
                        "file://" + (folder / "out.lcmlog") + "?mode=w", "--map", site})
               .code == 0);
   const Result converted = run(folder, {"scanlock-convert", site, cloud});
@@ -113,7 +113,7 @@ TEST_CASE(
   std::filesystem::copy_file(cloud, grown);
   write_file(folder / "grow.toml", "[map]\nmode = \"extend\"\n");
   const Result growing =
-      run(folder, {"scanlockd", "-c", folder / "grow.toml", "-l", "file://" + other, "--out-url",
+      run(folder, {"scanlockd", "-c", folder / "grow.toml", "-l", "file://" + other + "?speed=0", "--out-url",
                    "file://" + (folder / "out2.lcmlog") + "?mode=w", "--map", grown});
   CAPTURE(growing.errors);
   REQUIRE(growing.code == 0);
@@ -270,7 +270,7 @@ TEST_CASE("an invalid start map is an error with its name and the reason") {
     CHECK(contains(result.errors, file));
     CHECK(contains(result.errors, reason));
     const Result daemon =
-        run(folder, {"scanlockd", "-l", "file://" + log, "--out-url",
+        run(folder, {"scanlockd", "-l", "file://" + log + "?speed=0", "--out-url",
                      "file://" + (folder / "out.lcmlog") + "?mode=w", "--map", folder / file});
     CHECK(daemon.code == 1);
     CHECK(contains(daemon.errors, file));

@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 
+#include "../trials.hpp"
 #include "framed_tracker.hpp"
 #include "geometry/angles.hpp"
 #include "room.hpp"
@@ -627,8 +628,9 @@ TEST_CASE("a scan that the map covers little is tracked, and DEGRADED" * doctest
   const Frame frame = each_frame();
   // Not every such scan is tracked: from many starts six in ten are, and most of these robots track again
   // soon. Which ones depends on the last bits of the points.
+  const int starts = trials(12);
   int met = 0, back = 0;
-  for (int start = 0; start < 12; ++start) {
+  for (int start = 0; start < starts; ++start) {
     const Drive drive(at(0.25 * start, 0, 0), twist(1, 0, 0));
     FramedTracker tracker(TrackerConfig{}, frame);
     tracker.track(drive.scan(0));
@@ -645,8 +647,8 @@ TEST_CASE("a scan that the map covers little is tracked, and DEGRADED" * doctest
     for (int i = 2; i < 8; ++i) tracker.track(drive.scan(i));
     if (tracker.track(drive.scan(8)).state == TrackingState::kTracking) ++back;
   }
-  CHECK(met >= 4);
-  CHECK(back >= 2);
+  CHECK(3 * met >= starts);
+  CHECK(6 * back >= starts);
 }
 
 TEST_CASE("scans that cannot be tracked are reported by kind, and later scans are tracked") {
