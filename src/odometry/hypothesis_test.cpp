@@ -64,12 +64,20 @@ HypothesisTest::HypothesisTest(const std::vector<Pose>& map_from_predicted,
                                std::vector<std::unique_ptr<Odometer>> maps) {
   maps.resize(map_from_predicted.size());
   for (std::size_t i = 0; i < maps.size(); ++i) {
-    hypotheses_.emplace_back();
-    hypotheses_.back().map_from_predicted = map_from_predicted[i];
-    hypotheses_.back().map = std::move(maps[i]);
-    hypotheses_.back().least_share = kUsualShare;
+    add(map_from_predicted[i], std::move(maps[i]));
+    if (i > 0) hypotheses_.back().least_share = kUsualShare;
   }
-  hypotheses_.front().least_share = kKnownShare;
+}
+
+void HypothesisTest::add(const Pose& map_from_predicted, std::unique_ptr<Odometer> map) {
+  if (hypotheses_.size() >= kMostPlaces) hypotheses_.pop_back();
+  Hypothesis hypothesis;
+  hypothesis.map_from_predicted = map_from_predicted;
+  hypothesis.map = std::move(map);
+  hypothesis.least_share = kKnownShare;
+  hypothesis.patches.resize(patches_.size());
+  hypotheses_.push_back(std::move(hypothesis));
+  scans_ = 0;
 }
 
 HypothesisTest HypothesisTest::expected_at(const Pose& map_from_predicted, int wins) {

@@ -20,13 +20,13 @@ namespace scanlock {
 /// this hypothesis. `more`: energy of the alignment less its running median.
 double log_odds_of_energy(double more);
 
-/// A sequential test of hypotheses, corrections of the predicted pose of a lost robot, on the scans that
-/// follow. A hypothesis wins when three scans in a row fit at it while every other hypothesis is refuted or
-/// clearly worse, and when x, y and yaw are observable. A scan fits if its inlier ratio is at least 0.3 of
-/// the running median for the hypothesis that a search supports; for the others at least 0.9 of the running
-/// median, or of the largest inlier ratio of all hypotheses if that is less. The test is undecided when x, y
-/// or yaw is unobservable, or when no hypothesis has won after eight scans that fit the best one. A
-/// hypothesis of expected_at() is not tested for observability.
+/// A sequential test of hypotheses, corrections of the predicted pose of a lost robot, on the scan at hand
+/// and those that follow. A hypothesis wins when three scans in a row fit at it while every other hypothesis
+/// is refuted or clearly worse, and when x, y and yaw are observable. A scan fits if its inlier ratio is at
+/// least 0.3 of the running median for the hypothesis that a search supports; for the others at least 0.9 of
+/// the running median, or of the largest inlier ratio of all hypotheses if that is less. The test is
+/// undecided when x, y or yaw is unobservable, or when no hypothesis has won after eight scans that fit the
+/// best one. A hypothesis of expected_at() is not tested for observability.
 class HypothesisTest {
  public:
   enum class Outcome { kOpen, kWon, kRefuted, kUndecided };
@@ -40,6 +40,10 @@ class HypothesisTest {
   /// A single hypothesis at which the robot is expected, without a search. `wins`: number of scans that
   /// fitted it already.
   static HypothesisTest expected_at(const Pose& map_from_predicted, int wins);
+
+  /// One more hypothesis, which a search supports, in place of the worst one if there are kMostPlaces; `map`
+  /// as in the constructor. Where it fits a scan the counts of all hypotheses begin anew.
+  void add(const Pose& map_from_predicted, std::unique_ptr<Odometer> map);
 
   /// A search found no contradiction to the hypothesis near this correction, though the map may cover only a
   /// part of its surroundings: its least inlier ratio becomes the lower one.

@@ -57,6 +57,7 @@ void Relocalisation::begin(const Odometer& odometer, const std::optional<Trusted
 void Relocalisation::end() {
   lost_ = false;
   lost_odometry_.reset();
+  last_scan_.reset();
   running_test_.reset();
   elsewhere_ = false;
   search_.begin_anew();
@@ -78,12 +79,14 @@ Relocalisation::Outcome Relocalisation::follow(std::int64_t utime, double dt, co
 
 void Relocalisation::coast(double dt, Odometer& odometer) {
   lost_odometry_->coast(dt);
+  last_scan_.reset();
   follow_lost_odometry(dt, odometer);
 }
 
 /// Where lost-mode odometry begins anew the gate widens by the motion that may have gone unobserved.
 void Relocalisation::depart_or_follow(std::int64_t utime, double dt, const PreparedScan& scan,
                                       const Odometer& odometer) {
+  last_scan_ = scan;
   if (lost_odometry_ && lost_odometry_->follow(utime, dt, scan)) return;
   if (lost_odometry_ && running_test_) refuse("the scans after the search do not fit each other: ");
   search_.begin_anew();
@@ -129,8 +132,8 @@ void Relocalisation::relocalise_locally(std::int64_t utime, const PreparedScan& 
   looks_alike_ = looks_alike_ ||
                  contradiction(*last_trusted_, utime, scan, attempt->alignment.moving) > kMostContradiction;
   if (!looks_alike_ || nothing_found_)
-    running_test_ = RunningTest{
-        HypothesisTest::expected_at(renormalised(found * predicted.pose.inverse()), 1), std::nullopt};
+    running_test_ =
+        RunningTest{HypothesisTest::expected_at(renormalised(found * predicted.pose.inverse()), 1), {}};
 }
 
 /// Tests the hypotheses with this scan, and accepts one where the evidence is sufficient.
@@ -140,14 +143,14 @@ Relocalisation::Outcome Relocalisation::confirm(const PreparedScan& scan, Odomet
   *attempt = running_test_->test.attempt();
   if (outcome == HypothesisTest::Outcome::kRefuted) refuse("the scans after the search fit no hypothesis: ");
   if (outcome == HypothesisTest::Outcome::kUndecided) {
-    if (running_test_->answer) {
+    if (!running_test_->answers.empty()) {
       if (log_odds_of(*running_test_) >= kBelieved) state_ = TrackingState::kAmbiguous;
       undecided_ = running_test_->test.hypotheses();
     }
     refuse(std::string(running_test_->test.why_undecided()) + ": ");
   }
   if (outcome != HypothesisTest::Outcome::kWon) return Outcome::kLost;
-  const bool searched = running_test_->answer.has_value();
+  const bool searched = !running_test_->answers.empty();
   if (searched) {
     const double log_odds = log_odds_of(*running_test_);
     if (log_odds < kBelieved) {  // the next search may add evidence
@@ -155,7 +158,7 @@ Relocalisation::Outcome Relocalisation::confirm(const PreparedScan& scan, Odomet
         refuse(insufficient(log_odds, "all searches and the scans after them"));
       return Outcome::kLost;
     }
-    ended_ = recovery_of(*running_test_->answer);
+    ended_ = recovery_of(answer_for(*running_test_));
     ended_->accepted = true;
     ended_->map_from_predicted = running_test_->test.map_from_predicted();
     ended_->energy_after = attempt->health.energy;
@@ -166,8 +169,8 @@ Relocalisation::Outcome Relocalisation::confirm(const PreparedScan& scan, Odomet
 }
 
 void Relocalisation::refuse(const std::string& why) {
-  if (running_test_->answer) {
-    ended_ = recovery_of(*running_test_->answer);
+  if (!running_test_->answers.empty()) {
+    ended_ = recovery_of(answer_for(*running_test_));
     ended_->reason.insert(0, why);
     ended_->energy_after = running_test_->test.attempt().health.energy;
   }
@@ -196,7 +199,7 @@ bool Relocalisation::gives_up() const {
 std::optional<RecoveryRequest> Relocalisation::take_request(std::int64_t utime,
                                                             const KeyframeArchive& archive,
                                                             const std::optional<Eigen::Vector3d>& up) {
-  if (!lost_ || !lost_odometry_ || (running_test_ && !(running_test_->answer && sees_more())))
+  if (!lost_ || !lost_odometry_ || (running_test_ && (running_test_->answers.empty() || !sees_more())))
     return std::nullopt;
   std::optional<RecoveryRequest> request = search_.next(utime, lost_odometry_->surroundings(), archive, up);
   if (request) request->undecided = undecided_;
@@ -211,7 +214,7 @@ bool Relocalisation::sees_more() const {
 }
 
 void Relocalisation::give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
-                          const Odometer& odometer) {
+                          Odometer& odometer) {
   const bool found = answer.verdict == PlaceVerdict::kFound;
   const bool gone = last_trusted_ && answer.missing > kImpossible;
   if (gone) answer.log_odds = std::min(answer.log_odds, -before());
@@ -244,23 +247,44 @@ void Relocalisation::give(RecoveryAnswer answer, const KeyframeArchive& archive,
                                     : insufficient(log_odds, "all searches"));
     return;
   }
-  if (running_test_ && running_test_->answer) {
-    const std::vector<Pose> tried = running_test_->test.hypotheses();
-    if (std::any_of(tried.begin(), tried.end(),
-                    [&](const Pose& place) { return agree(place, answer.map_from_predicted, kAgree); })) {
-      ended_ = recovery_of(answer);
-      ended_->reason.insert(0, "this hypothesis is being tested already: ");
-      return;
-    }
-    undecided_ = tried;  // to be tested beside the new one
-    refuse("a later search finds another hypothesis: ");
+  if (running_test_ && !running_test_->answers.empty()) {
+    join_test(std::move(answer), archive, voxel, odometer);
+    return;
   }
   std::vector<Pose> places = runners_up_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
-  HypothesisTest test(places, maps_of(places, archive, voxel, odometer));
+  HypothesisTest test(places, maps_of(places, true, archive, voxel, odometer));
   for (const Pose& uncontradicted : answer.uncontradicted)
     test.note_uncontradicted(uncontradicted, *lost_odometry_);
-  running_test_ = RunningTest{std::move(test), std::move(answer), log_odds};
+  // The scan at hand is the first of the test; what it decides comes out with the next one.
+  if (last_scan_) test.judge(odometer, *last_scan_, *lost_odometry_);
+  running_test_ = RunningTest{std::move(test), {std::move(answer)}, log_odds};
+}
+
+/// A search has found a place while hypotheses are being tested: it is tested beside them.
+void Relocalisation::join_test(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
+                               const Odometer& odometer) {
+  const std::vector<Pose> tried = running_test_->test.hypotheses();
+  const bool is_known = std::any_of(tried.begin(), tried.end(), [&](const Pose& place) {
+    return agree(place, answer.map_from_predicted, kAgree);
+  });
+  ended_ = recovery_of(answer);
+  ended_->reason.insert(0, is_known ? "this hypothesis is being tested already: "
+                                    : "tested beside the hypotheses of earlier searches: ");
+  if (is_known) return;
+  auto maps =
+      maps_of({answer.map_from_predicted}, !running_test_->test.is_elsewhere(), archive, voxel, odometer);
+  running_test_->test.add(answer.map_from_predicted, maps.empty() ? nullptr : std::move(maps.front()));
+  running_test_->answers.push_back(std::move(answer));
+}
+
+/// The answer of the search that found the best hypothesis; of the first search for one that none found.
+const RecoveryAnswer& Relocalisation::answer_for(const RunningTest& running) const {
+  const auto found =
+      std::find_if(running.answers.begin(), running.answers.end(), [&](const RecoveryAnswer& a) {
+        return agree(a.map_from_predicted, running.test.map_from_predicted(), kAgree);
+      });
+  return found == running.answers.end() ? running.answers.front() : *found;
 }
 
 /// The evidence of the results that agree with this hypothesis. Of searches from the same keyframes on the
@@ -295,10 +319,11 @@ double Relocalisation::log_odds_of(const RunningTest& candidate) const {
 /// odometer's map shows all of them. Archived keyframes are thinner than the map at hand, and are not loaded
 /// for a runner-up that they do not show better.
 std::vector<std::unique_ptr<Odometer>> Relocalisation::maps_of(const std::vector<Pose>& places,
+                                                               bool may_be_covered,
                                                                const KeyframeArchive& archive, double voxel,
                                                                const Odometer& odometer) const {
   std::vector<Eigen::Vector3d> centres;
-  bool covered = true;
+  bool covered = may_be_covered;
   for (const Pose& place : places) {
     const Eigen::Vector3d& centre =
         centres.emplace_back((place * lost_odometry_->state().pose).translation());
@@ -341,7 +366,7 @@ bool Relocalisation::agree(const Pose& a, const Pose& b, double times) const {
 }
 
 void Relocalisation::propose_here() {
-  running_test_ = RunningTest{HypothesisTest::expected_at(Pose::Identity(), 0), std::nullopt};
+  running_test_ = RunningTest{HypothesisTest::expected_at(Pose::Identity(), 0), {}};
 }
 
 }  // namespace scanlock

@@ -21,8 +21,8 @@ namespace scanlock {
 
 /// Relocalisation, from the first scan that the tracker does not trust: lost-mode odometry, local
 /// relocalisation near the prediction and the last trusted pose, requests for global searches, and the test
-/// of the hypotheses on the scans that follow. The odometer is the tracker's: its map stays as it is, its
-/// state follows lost-mode odometry.
+/// of the hypotheses on the scan at hand and those that follow. The odometer is the tracker's: its map stays
+/// as it is, its state follows lost-mode odometry.
 class Relocalisation {
  public:
   enum class Outcome : std::int8_t {
@@ -60,7 +60,7 @@ class Relocalisation {
   std::optional<RecoveryRequest> take_request(std::int64_t utime, const KeyframeArchive& archive,
                                               const std::optional<Eigen::Vector3d>& up);
   /// Takes the answer to a request. `voxel`: metres, of the maps that are loaded around hypotheses.
-  void give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel, const Odometer& odometer);
+  void give(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel, Odometer& odometer);
   /// The odometer's state becomes a hypothesis, as a user gave it, to be tested on the scans that follow.
   void propose_here();
 
@@ -84,8 +84,9 @@ class Relocalisation {
   /// Hypotheses that are being tested on the scans that follow.
   struct RunningTest {
     HypothesisTest test;
-    std::optional<RecoveryAnswer> answer;  ///< of the search; none for local relocalisation and a given pose
-    double log_odds = 0;                   ///< by that search and those before it
+    /// Of the searches that found hypotheses; none for local relocalisation and a given pose.
+    std::vector<RecoveryAnswer> answers;
+    double log_odds = 0;  ///< by the first of these searches and those before it
   };
   /// The likeliest hypothesis of a search.
   struct SearchResult {
@@ -104,7 +105,10 @@ class Relocalisation {
   Outcome confirm(const PreparedScan& scan, Odometer& odometer, Attempt* attempt);
   void refuse(const std::string& why);
   void follow_lost_odometry(double dt, Odometer& odometer) const;
-  std::vector<std::unique_ptr<Odometer>> maps_of(const std::vector<Pose>& places,
+  const RecoveryAnswer& answer_for(const RunningTest& test) const;
+  void join_test(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
+                 const Odometer& odometer);
+  std::vector<std::unique_ptr<Odometer>> maps_of(const std::vector<Pose>& places, bool may_be_covered,
                                                  const KeyframeArchive& archive, double voxel,
                                                  const Odometer& odometer) const;
   Support support_of(const Pose& map_from_predicted) const;
@@ -124,6 +128,7 @@ class Relocalisation {
   bool nothing_found_ = false;  ///< the last search found no likely place
   int scans_ = 0;               ///< since the robot was lost
   std::optional<LostModeOdometry> lost_odometry_;
+  std::optional<PreparedScan> last_scan_;  ///< that lost-mode odometry followed last; none where it coasted
   double gate_m_ = 0, gate_rad_ = 0;  ///< how far the prediction may be off where lost-mode odometry began
   double energy_before_ = 1;
   std::optional<RunningTest> running_test_;

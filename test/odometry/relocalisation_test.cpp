@@ -129,6 +129,48 @@ TEST_CASE("a runner-up that the archive does not show better does not replace th
   CHECK(robot.odometer.map().keyframes().size() == 1);
 }
 
+TEST_CASE(
+    "a search result is tested on the scan at hand and two more, or on three if that one has no points") {
+  for (const bool blind : {false, true}) {
+    CAPTURE(blind);
+    Displaced robot(TrackerConfig{});
+    robot.lose_in({Pose::Identity()});
+    Attempt attempt;
+    const auto follow = [&](unsigned i) {
+      return robot.relocalisation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
+    };
+    unsigned i = 1;
+    for (; i < 20 && !robot.relocalisation.lost_odometry().surroundings().scene; ++i) follow(i);
+    if (blind) robot.relocalisation.coast(0.1, robot.odometer);
+    REQUIRE(robot.propose(i++, {}));
+    int followed = 1;
+    while (followed < 10 && follow(i++) == Relocalisation::Outcome::kLost) ++followed;
+    CHECK(followed == (blind ? 3 : 2));
+  }
+}
+
+TEST_CASE("a place that a search finds during a test is tested beside the others, and delays no decision") {
+  Displaced robot(TrackerConfig{});
+  robot.lose_in({Pose::Identity()});
+  const Pose elsewhere(Eigen::Translation3d(0, 0, 6));
+  Attempt attempt;
+  auto outcome = Relocalisation::Outcome::kLost;
+  int given = 0, followed = 0;
+  for (unsigned i = 1; i < 20 && outcome == Relocalisation::Outcome::kLost; ++i) {
+    outcome = robot.relocalisation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
+    if (given > 0) ++followed;
+    if (given < 2)
+      given += robot.propose(i, {}, kBelieved, 0.1 + 0.1 * given, given == 0 ? Pose::Identity() : elsewhere);
+  }
+  REQUIRE(given == 2);
+  CHECK(outcome == Relocalisation::Outcome::kFound);
+  CHECK(followed == 2);
+  CHECK(attempt.alignment.moving.pose.translation().norm() < 0.1);
+  const auto ended = robot.relocalisation.take_ended();
+  REQUIRE(ended);
+  CHECK(ended->search.voxel == 0.1);
+}
+
 TEST_CASE("two searches confirm a hypothesis in either order, if their scales differ") {
   for (const bool more_first : {true, false}) {
     for (const bool same_scale : {true, false}) {
@@ -136,7 +178,7 @@ TEST_CASE("two searches confirm a hypothesis in either order, if their scales di
       CAPTURE(same_scale);
       Displaced robot(TrackerConfig{});
       // So rough that the scans lower the log odds as much as they can.
-      robot.lose_in({Pose::Identity()}, 0.2f);
+      robot.lose_in({Pose::Identity()}, 0.13f);
       Attempt attempt;
       auto outcome = Relocalisation::Outcome::kLost;
       int given = 0;
@@ -156,7 +198,7 @@ TEST_CASE("scans that fit less closely than usual lower the odds of a hypothesis
     CAPTURE(map);
     const bool rough = map == "rough";
     Displaced robot(TrackerConfig{});
-    robot.lose_in({Pose::Identity()}, rough ? 0.2f : 0, map != "in part");
+    robot.lose_in({Pose::Identity()}, rough ? 0.13f : 0, map != "in part");
     Attempt attempt;
     auto outcome = Relocalisation::Outcome::kLost;
     bool given = false;
@@ -165,7 +207,7 @@ TEST_CASE("scans that fit less closely than usual lower the odds of a hypothesis
       if (!given) given = robot.propose(i, {}, kBelieved - 0.2 * kMostOfScans);
     }
     REQUIRE(given);
-    CHECK(attempt.alignment.moving.pose.translation().norm() < (rough ? 0.2 : 0.1));
+    CHECK(attempt.alignment.moving.pose.translation().norm() < (rough ? 0.25 : 0.1));
     CHECK((outcome == Relocalisation::Outcome::kFound) == !rough);
     const auto ended = robot.relocalisation.take_ended();
     REQUIRE(ended);
