@@ -91,7 +91,7 @@ void day(WorldKind world, LidarKind lidar, int hours, unsigned seed, bool bare) 
   Mapper mapper{TrackerConfig()};
   if (bare) mapper.load(surveyed(config), true);
   config.seconds = hours * kHour_s;
-  config.laps = 100 * hours;  // more laps than fit into the time
+  config.laps = std::min(100 * hours, 1000);  // more laps than fit into the time; 1000 is the most
   for (double t = kCarriedEach_s; t < *config.seconds && !bare; t += kCarriedEach_s) {
     SimulationEvent carried{};
     carried.kind = EventKind::kKidnap;
