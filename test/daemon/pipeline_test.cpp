@@ -310,7 +310,7 @@ struct Overwritten {
   }
 };
 
-TEST_CASE("a map file that is overwritten in place is reported") {
+TEST_CASE("a map file that is overwritten in place is reported" * doctest::test_suite("long drives")) {
   Overwritten map;
   const std::string& file = map.config.daemon.map.file;
   Bench bench(map.config, Pipeline::Mode::kReplay);
