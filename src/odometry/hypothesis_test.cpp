@@ -75,7 +75,6 @@ void HypothesisTest::add(const Pose& map_from_predicted, std::unique_ptr<Odomete
   hypothesis.map_from_predicted = map_from_predicted;
   hypothesis.map = std::move(map);
   hypothesis.least_share = kKnownShare;
-  hypothesis.patches.resize(patches_.size());
   hypotheses_.push_back(std::move(hypothesis));
   scans_ = 0;
 }

@@ -170,19 +170,19 @@ Relocalisation::Outcome Relocalisation::confirm(const PreparedScan& scan, Odomet
 
 void Relocalisation::refuse(const std::string& why) {
   if (!running_test_->answers.empty()) {
-    ended_ = recovery_of(answer_for(*running_test_));
-    ended_->reason.insert(0, why);
+    ended_ = recovery_of(answer_for(*running_test_), why);
     ended_->energy_after = running_test_->test.attempt().health.energy;
   }
   running_test_.reset();
 }
 
-Recovery Relocalisation::recovery_of(const RecoveryAnswer& answer) const {
+/// `why`: put before the reason of the search.
+Recovery Relocalisation::recovery_of(const RecoveryAnswer& answer, const std::string& why) const {
   Recovery recovery;
   recovery.search = answer;
   recovery.map_from_predicted = answer.map_from_predicted;
   recovery.energy_before = energy_before_;
-  recovery.reason = answer.reason;
+  recovery.reason = why + answer.reason;
   return recovery;
 }
 
@@ -241,10 +241,9 @@ void Relocalisation::give(RecoveryAnswer answer, const KeyframeArchive& archive,
   // With the few points of a planar sensor log odds are unreliable: the number of agreeing results decides.
   if (planar) log_odds = (counts && support.finds > kPlanarAgreeing ? 1 : -1) * (kBelieved + kMostOfScans);
   if (log_odds + kMostOfScans < kBelieved) {
-    ended_ = recovery_of(answer);
-    ended_->reason.insert(0, planar ? "more searches have to agree: "
-                             : gone ? "surfaces of the map are missing there: "
-                                    : insufficient(log_odds, "all searches"));
+    ended_ = recovery_of(answer, planar ? "more searches have to agree: "
+                                 : gone ? "surfaces of the map are missing there: "
+                                        : insufficient(log_odds, "all searches"));
     return;
   }
   if (running_test_ && !running_test_->answers.empty()) {
@@ -253,7 +252,7 @@ void Relocalisation::give(RecoveryAnswer answer, const KeyframeArchive& archive,
   }
   std::vector<Pose> places = runners_up_of(answer);
   places.insert(places.begin(), answer.map_from_predicted);
-  HypothesisTest test(places, maps_of(places, true, archive, voxel, odometer));
+  HypothesisTest test(places, maps_of(places, archive, voxel, odometer));
   for (const Pose& uncontradicted : answer.uncontradicted)
     test.note_uncontradicted(uncontradicted, *lost_odometry_);
   // The scan at hand is the first of the test; what it decides comes out with the next one.
@@ -268,12 +267,10 @@ void Relocalisation::join_test(RecoveryAnswer answer, const KeyframeArchive& arc
   const bool is_known = std::any_of(tried.begin(), tried.end(), [&](const Pose& place) {
     return agree(place, answer.map_from_predicted, kAgree);
   });
-  ended_ = recovery_of(answer);
-  ended_->reason.insert(0, is_known ? "this hypothesis is being tested already: "
-                                    : "tested beside the hypotheses of earlier searches: ");
+  ended_ = recovery_of(answer, is_known ? "this hypothesis is being tested already: "
+                                        : "tested beside the hypotheses of earlier searches: ");
   if (is_known) return;
-  auto maps =
-      maps_of({answer.map_from_predicted}, !running_test_->test.is_elsewhere(), archive, voxel, odometer);
+  auto maps = maps_of({answer.map_from_predicted}, archive, voxel, odometer);
   running_test_->test.add(answer.map_from_predicted, maps.empty() ? nullptr : std::move(maps.front()));
   running_test_->answers.push_back(std::move(answer));
 }
@@ -316,14 +313,14 @@ double Relocalisation::log_odds_of(const RunningTest& candidate) const {
 }
 
 /// An odometer in a map around each hypothesis, so that scans decide fairly between them; none where the
-/// odometer's map shows all of them. Archived keyframes are thinner than the map at hand, and are not loaded
-/// for a runner-up that they do not show better.
+/// odometer's map shows all of them, and those under test have no maps of their own either. Archived
+/// keyframes are thinner than the map at hand, and are not loaded for a runner-up that they do not show
+/// better.
 std::vector<std::unique_ptr<Odometer>> Relocalisation::maps_of(const std::vector<Pose>& places,
-                                                               bool may_be_covered,
                                                                const KeyframeArchive& archive, double voxel,
                                                                const Odometer& odometer) const {
   std::vector<Eigen::Vector3d> centres;
-  bool covered = may_be_covered;
+  bool covered = !(running_test_ && running_test_->test.is_elsewhere());
   for (const Pose& place : places) {
     const Eigen::Vector3d& centre =
         centres.emplace_back((place * lost_odometry_->state().pose).translation());

@@ -108,7 +108,7 @@ class Relocalisation {
   const RecoveryAnswer& answer_for(const RunningTest& test) const;
   void join_test(RecoveryAnswer answer, const KeyframeArchive& archive, double voxel,
                  const Odometer& odometer);
-  std::vector<std::unique_ptr<Odometer>> maps_of(const std::vector<Pose>& places, bool may_be_covered,
+  std::vector<std::unique_ptr<Odometer>> maps_of(const std::vector<Pose>& places,
                                                  const KeyframeArchive& archive, double voxel,
                                                  const Odometer& odometer) const;
   Support support_of(const Pose& map_from_predicted) const;
@@ -118,7 +118,7 @@ class Relocalisation {
   double before() const { return last_trusted_ ? kInOwnMap : 0; }
   std::vector<Pose> runners_up_of(const RecoveryAnswer& answer) const;
   bool agree(const Pose& a, const Pose& b, double times) const;
-  Recovery recovery_of(const RecoveryAnswer& answer) const;
+  Recovery recovery_of(const RecoveryAnswer& answer, const std::string& why = {}) const;
 
   TrackerConfig config_;
   bool lost_ = false;
