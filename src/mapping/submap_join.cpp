@@ -70,14 +70,13 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
     answer.agreeing.push_back(earlier);
     log_odds.push_back(find.log_odds);
   }
-  if (answer.agreeing.size() < static_cast<std::size_t>(closure.planar ? kPlanarAgreeing : kAgreeing))
-    return answer;
+  if (answer.agreeing.size() < kAgreeing) return answer;
   // A robot that was not found in the loaded map may be in another building: it gets no prior log odds. On a
   // meadow two finds that agree are little more evidence than one.
   const double before = request.active.located ? kInOwnMap : 0;
   // Another building of the same kind has rooms with the same walls but other furniture, which costs energy.
   const double against = std::clamp(log_odds_of_energy(closed->more_energy), -kMostOfScans, 0.0);
-  if (!closure.planar && before + against + together(std::move(log_odds)) < kBelieved) return answer;
+  if (before + against + together(std::move(log_odds)) < kBelieved) return answer;
   answer.closure.outcome = ClosureOutcome::kAccepted;
   PoseGraph graph = joined(request.active, submap, found);
   for (const Constraint& c : answer.agreeing) graph.connect(c);

@@ -42,7 +42,7 @@ struct JoinAnswer {
 /// Finds the keyframe's pose by certified search and aligns the keyframe there. Accepts the join when an
 /// earlier find, of another keyframe, agrees on the relative pose of the two submaps, and the log odds of the
 /// agreeing finds together and of the prior, less up to kMostOfScans for excess energy of the alignment,
-/// reach kBelieved. For a planar sensor: when three earlier finds agree.
+/// reach kBelieved.
 JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const TrackerConfig& config);
 
 /// Schedules the searches of the other submaps, and stores their finds.

@@ -13,14 +13,13 @@
 #include "global/cloud_normals.hpp"
 #include "global/cloud_registration.hpp"
 #include "global/cpu_clock.hpp"
+#include "odometry/planar_part.hpp"
 
 namespace scanlock {
 namespace {
 
 constexpr double kKeypoints = 1000;    // of the source; the target has as many per area
 constexpr double kMostIsThere = 0.85;  // overlap from which on the map does not lack much of the source
-// Overlap. Two wrong results with a planar sensor, in buildings that are not in the map, had a third.
-constexpr double kLittleOverlap = 0.5;
 // Least share of the source's points that have enough neighbours: for a sensor of few points a wider voxel
 // (kWider times) is more informative.
 constexpr double kDescribed = 0.4, kWider = 1.35;
@@ -83,13 +82,13 @@ double together(std::vector<double> log_odds) {
 
 /// A part of the map prepared for searches, and the inputs that it depends on.
 struct PlaceFinder::Target {
-  explicit Target(const SearchTarget& wanted);
+  Target(const SearchTarget& wanted, bool planar);
   bool is_of(const SearchTarget& wanted) const {
     const auto same = [](const auto& place, const ArchivedKeyframe& k) {
       return place.first == k.utime && place.second.matrix() == k.map_from_body.matrix();
     };
     return centre == wanted.centre && source_radius == wanted.source_radius && radius == wanted.radius &&
-           description.voxel == wanted.voxel && up == wanted.up &&
+           voxel == wanted.voxel && up == wanted.up &&
            std::equal(places.begin(), places.end(), wanted.places.begin(), wanted.places.end(), same);
   }
   const CloudCheck& check() {
@@ -98,9 +97,10 @@ struct PlaceFinder::Target {
   }
 
   Eigen::Vector3d centre;
-  double source_radius, radius;
+  double source_radius, radius, voxel;
   Eigen::Vector3d up;
   std::vector<std::pair<std::int64_t, Pose>> places;
+  std::optional<PlanarPart> plane;  ///< of planar sensors; otherwise the description
   CloudDescription description;
   std::size_t raw_points = 0;  ///< points that were gathered for it
 
@@ -113,9 +113,17 @@ PlaceFinder::~PlaceFinder() = default;
 PlaceFinder::PlaceFinder(PlaceFinder&&) noexcept = default;
 PlaceFinder& PlaceFinder::operator=(PlaceFinder&&) noexcept = default;
 
-PlaceFinder::Target::Target(const SearchTarget& wanted)
-    : centre(wanted.centre), source_radius(wanted.source_radius), radius(wanted.radius), up(wanted.up) {
+PlaceFinder::Target::Target(const SearchTarget& wanted, bool planar)
+    : centre(wanted.centre),
+      source_radius(wanted.source_radius),
+      radius(wanted.radius),
+      voxel(wanted.voxel),
+      up(wanted.up) {
   for (const ArchivedKeyframe& k : wanted.places) places.emplace_back(k.utime, k.map_from_body);
+  if (planar) {
+    plane.emplace(wanted);
+    return;
+  }
   DescriptionOptions options;
   options.voxel = wanted.voxel;
   const double wider = std::min(radius / std::max(source_radius, 1e-3), kWidestPart);
@@ -126,28 +134,39 @@ PlaceFinder::Target::Target(const SearchTarget& wanted)
     raw_points += k->points.size();
 }
 
-PlaceFinder::Target& PlaceFinder::known(const SearchTarget& wanted, double* cost_s) {
-  const auto found = std::find_if(targets_.begin(), targets_.end(),
-                                  [&](const auto& target) { return target->is_of(wanted); });
+PlaceFinder::Target& PlaceFinder::known(const SearchTarget& wanted, bool planar, double* cost_s) {
+  const auto found = std::find_if(targets_.begin(), targets_.end(), [&](const auto& target) {
+    return target->is_of(wanted) && target->plane.has_value() == planar;
+  });
   if (found != targets_.end()) {
     std::rotate(found, found + 1, targets_.end());
     return *targets_.back();
   }
   if (targets_.size() == kTargets) targets_.erase(targets_.begin());
-  targets_.push_back(std::make_unique<Target>(wanted));
+  targets_.push_back(std::make_unique<Target>(wanted, planar));
   Target& target = *targets_.back();
-  *cost_s += kSecondsAPoint * static_cast<double>(target.description.points.size()) +
-             kSecondsARawPoint * static_cast<double>(target.raw_points);
+  *cost_s += target.plane ? target.plane->cost_s()
+                          : kSecondsAPoint * static_cast<double>(target.description.points.size()) +
+                                kSecondsARawPoint * static_cast<double>(target.raw_points);
   return target;
 }
 
 void PlaceFinder::prepare(const SearchTarget& target) {
   double cost_s = 0;
-  known(target, &cost_s).check();
+  const bool planar = PlanarPart::applies(target);
+  Target& known_target = known(target, planar, &cost_s);
+  if (!planar) known_target.check();
 }
 
 RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   CpuClock clock;
+  if (PlanarPart::applies(request)) {
+    double cost_s = 0;
+    RecoveryAnswer answer = known(request.target, true, &cost_s).plane->find(request);
+    answer.cost_s += cost_s;
+    answer.total_ms = clock.lap();
+    return answer;
+  }
   const Eigen::Matrix3d level = level_rotation(request.target.up);
   // Without a measured attitude the source is levelled by the z axis of the body: slopes tilt the body, and
   // the robot may now stand on another slope than where it was lost.
@@ -157,7 +176,7 @@ RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   double cost_s = kSecondsASearch + kSecondsAPoint * static_cast<double>(source.points.size());
   SearchTarget wanted = request.target;
   wanted.voxel = source.voxel;
-  Target& target = known(wanted, &cost_s);
+  Target& target = known(wanted, false, &cost_s);
   cost_s += kSecondsALook * static_cast<double>(target.description.points.size());
 
   CloudRegistrationOptions registration;

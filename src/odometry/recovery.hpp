@@ -64,10 +64,10 @@ inline constexpr double kAgree = 2;
 /// The axes along which places differ, as bits (see Degeneracy): x, y and yaw.
 inline constexpr std::uint32_t kOnTheGround = 0b100011;
 
-/// Number of earlier search results that have to agree before two submaps are joined. The second is for
-/// planar sensors, to which rooms often look alike; there it is required also before a hypothesis is
-/// accepted.
-inline constexpr std::ptrdiff_t kAgreeing = 1, kPlanarAgreeing = 3;
+/// Share of the source that the map shows at a pose, below which it shows little of it.
+inline constexpr double kLittleOverlap = 0.5;
+/// Number of earlier search results that have to agree before two submaps are joined.
+inline constexpr std::size_t kAgreeing = 1;
 /// Largest contradiction (see CloudFit) of a search result by which submaps may be joined.
 inline constexpr double kSoundContradiction = 0.015;
 /// Log odds that a hypothesis is right, from all searches that name it (see CloudRegistration) and from the
@@ -136,7 +136,7 @@ class PlaceFinder {
  private:
   struct Target;
   /// The remembered target, or a new one, whose cost is then added to `cost_s`.
-  Target& known(const SearchTarget& wanted, double* cost_s);
+  Target& known(const SearchTarget& wanted, bool planar, double* cost_s);
   std::vector<std::unique_ptr<Target>> targets_;  ///< the most recently used comes last
 };
 

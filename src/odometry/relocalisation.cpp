@@ -220,11 +220,9 @@ void Relocalisation::give(RecoveryAnswer answer, const KeyframeArchive& archive,
   if (gone) answer.log_odds = std::min(answer.log_odds, -before());
   const bool likely = answer.log_odds + before() > 0;
   if (!search_.take(answer.serial, likely, answer.little, answer.cost_s) || !lost_ || !lost_odometry_) return;
-  const bool planar = lost_odometry_->planar();
-  nothing_found_ = !found || (!planar && !likely);
+  nothing_found_ = !found || !likely;
   // A likely result, even if not proven to be the largest consensus, is tested beside later ones.
-  const bool counts = (found && !(planar && answer.little)) || (!planar && likely);
-  if (counts)
+  if (found || likely)
     search_results_.insert(search_results_.begin(),
                            {answer.map_from_predicted, answer.log_odds,
                             lost_odometry_->seen().keyframes().size(), answer.voxel});
@@ -237,13 +235,10 @@ void Relocalisation::give(RecoveryAnswer answer, const KeyframeArchive& archive,
   }
   if (state_ == TrackingState::kLost) state_ = TrackingState::kRecovering;
   const Support support = support_of(answer.map_from_predicted);
-  double log_odds = before() + support.log_odds;
-  // With the few points of a planar sensor log odds are unreliable: the number of agreeing results decides.
-  if (planar) log_odds = (counts && support.finds > kPlanarAgreeing ? 1 : -1) * (kBelieved + kMostOfScans);
+  const double log_odds = before() + support.log_odds;
   if (log_odds + kMostOfScans < kBelieved) {
-    ended_ = recovery_of(answer, planar ? "more searches have to agree: "
-                                 : gone ? "surfaces of the map are missing there: "
-                                        : insufficient(log_odds, "all searches"));
+    ended_ = recovery_of(
+        answer, gone ? "surfaces of the map are missing there: " : insufficient(log_odds, "all searches"));
     return;
   }
   if (running_test_ && !running_test_->answers.empty()) {
@@ -307,7 +302,6 @@ Relocalisation::Support Relocalisation::support_of(const Pose& map_from_predicte
 /// Log odds that the best hypothesis of the test is right, by all searches and by the last scan. A hypothesis
 /// that no search found likeliest has the log odds of the search that named it.
 double Relocalisation::log_odds_of(const RunningTest& candidate) const {
-  if (lost_odometry_->planar()) return candidate.log_odds;
   const Support support = support_of(candidate.test.map_from_predicted());
   return (support.finds > 0 ? before() + support.log_odds : candidate.log_odds) + candidate.test.log_odds();
 }

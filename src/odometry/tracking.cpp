@@ -95,9 +95,8 @@ void Tracker::State::track_on(const PreparedScan& scan, const ScanPrior& auxilia
   }
   const bool fits = check.is_trusted(attempt);
   const bool contradicted = fits && check.is_contradicted(time.now(), scan, attempt);
-  // (With a planar sensor a search is no confirmation.)
-  const bool unconfirmed = fits && !contradicted && !scan.planar &&
-                           check.is_to_be_confirmed(time.now(), time.period_s(), expected, attempt);
+  const bool unconfirmed =
+      fits && !contradicted && check.is_to_be_confirmed(time.now(), time.period_s(), expected, attempt);
   finished(Stage::kAlign);
   if (fits && !contradicted && !unconfirmed) {
     if (auxiliary.motion) attempt.told = expected.mean;
