@@ -61,8 +61,10 @@ bool AlignmentCheck::is_contradicted(std::int64_t now, const PreparedScan& scan,
                                      const Attempt& attempt) const {
   const bool after_gap = unseen_s(now) > kMoment;
   const double most = after_gap ? kMostContradictionAfterGap : kMostContradiction;
-  const bool unusual = after_gap || looks_alike_ || gap(attempt) > kUnusualGap ||
-                       attempt.health.score > kFitScore || !has_usual_inlier_ratio(attempt.health);
+  const bool moved_unusually = looks_alike_ || gap(attempt) > kUnusualGap;
+  // A person or a door hides a large part of a planar scan, but does not change the motion.
+  const bool unusual = moved_unusually || (!scan.planar && (after_gap || attempt.health.score > kFitScore ||
+                                                            !has_usual_inlier_ratio(attempt.health)));
   return unusual && !attempt.health.short_history &&
          contradiction(last_, now, scan, attempt.alignment.moving) > most;
 }

@@ -49,7 +49,8 @@ class AlignmentCheck {
   /// Whether the last trusted scan contradicts an alignment that explains its scan: the robot is at another
   /// place that looks like the expected one. Tested only after a gap, or where the alignment is unusual: an
   /// object that passes close by hides as many points as a change of place, but changes neither the pose nor
-  /// the energy much. Never true for the first few scans, whose motion is not known well enough.
+  /// the energy much. A planar scan is tested only where the motion is unusual: a person or a door hides a
+  /// large part of it. Never true for the first few scans, whose motion is not known well enough.
   bool is_contradicted(std::int64_t now, const PreparedScan& scan, const Attempt& attempt) const;
 
  private:

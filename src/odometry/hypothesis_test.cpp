@@ -79,6 +79,16 @@ void HypothesisTest::add(const Pose& map_from_predicted, std::unique_ptr<Odomete
   scans_ = 0;
 }
 
+void HypothesisTest::keep_only(const Pose& map_from_predicted, const Pose& predicted) {
+  const auto is_it = [&](const Hypothesis& hypothesis) {
+    return same_place(hypothesis.map_from_predicted, map_from_predicted, predicted, kAgree);
+  };
+  const auto it = std::find_if(hypotheses_.begin(), hypotheses_.end(), is_it);
+  if (it == hypotheses_.end()) return;
+  std::rotate(hypotheses_.begin(), it, it + 1);
+  hypotheses_.erase(hypotheses_.begin() + 1, hypotheses_.end());
+}
+
 HypothesisTest HypothesisTest::expected_at(const Pose& map_from_predicted, int wins) {
   HypothesisTest test({map_from_predicted});
   Hypothesis& hypothesis = test.hypotheses_.front();

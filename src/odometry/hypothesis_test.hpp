@@ -45,6 +45,10 @@ class HypothesisTest {
   /// as in the constructor. Where it fits a scan the counts of all hypotheses begin anew.
   void add(const Pose& map_from_predicted, std::unique_ptr<Odometer> map);
 
+  /// A search excludes all hypotheses but the one near this correction of the predicted pose, which may be
+  /// among them.
+  void keep_only(const Pose& map_from_predicted, const Pose& predicted);
+
   /// A search found no contradiction to the hypothesis near this correction, though the map may cover only a
   /// part of its surroundings: its least inlier ratio becomes the lower one.
   void note_uncontradicted(const Pose& map_from_predicted, const LostModeOdometry& lost_odometry);

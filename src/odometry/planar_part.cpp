@@ -96,6 +96,7 @@ RecoveryAnswer PlanarPart::find(const RecoveryRequest& request) const {
   answer.certified = true;
   answer.consensus = answer.upper_bound;
   answer.log_odds = log_odds(found);
+  answer.alone = lead_odds(found, found.rival_bound) >= kBelieved;
   answer.little = best.surfaces < kLittleOverlap * found.surfaces;
   char text[200];
   std::snprintf(

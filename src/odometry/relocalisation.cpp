@@ -264,6 +264,10 @@ void Relocalisation::join_test(RecoveryAnswer answer, const KeyframeArchive& arc
   });
   ended_ = recovery_of(answer, is_known ? "this hypothesis is being tested already: "
                                         : "tested beside the hypotheses of earlier searches: ");
+  if (answer.alone) {
+    running_test_->test.keep_only(answer.map_from_predicted, lost_odometry_->state().pose);
+    undecided_.clear();
+  }
   if (is_known) return;
   auto maps = maps_of({answer.map_from_predicted}, archive, voxel, odometer);
   running_test_->test.add(answer.map_from_predicted, maps.empty() ? nullptr : std::move(maps.front()));
@@ -333,10 +337,12 @@ std::vector<std::unique_ptr<Odometer>> Relocalisation::maps_of(const std::vector
   return maps;
 }
 
-/// The hypotheses to test beside that of the answer: also earlier search results, and those that were
-/// undecided before, because a few matches more or less do not decide between them.
+/// The hypotheses to test beside that of the answer, unless it excludes all of them: also earlier search
+/// results, and those that were undecided before, because a few matches more or less do not decide between
+/// them.
 std::vector<Pose> Relocalisation::runners_up_of(const RecoveryAnswer& answer) const {
   std::vector<Pose> runners_up;
+  if (answer.alone) return runners_up;
   const auto add = [&](const Pose& place) {
     const auto is_place = [&](const Pose& other) { return agree(other, place, 1); };
     const bool taken =

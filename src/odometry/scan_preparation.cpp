@@ -155,7 +155,7 @@ PreparedScan thin_scan(const PointCloud& points, const CroppedScan& cropped, Vox
   result.fine = select(points, fine);
   result.fine.alone =
       standing_alone(points, cropped.indices, result.fine, 2.0f * static_cast<float>(result.voxel));
-  if (!result.planar) result.rays = every_so_many(points, cropped.indices);
+  result.rays = every_so_many(points, cropped.indices);
   const std::size_t most = static_cast<std::size_t>(std::max(max_source_points, 1));
   std::vector<std::uint32_t> source;
   for (float voxels : kSourceVoxels) {

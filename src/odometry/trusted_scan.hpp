@@ -24,8 +24,7 @@ TrustedScan trusted_scan(std::int64_t utime, const PreparedScan& scan, const Mov
 /// Contradiction of two scans in a row at their poses, without a map: the larger of the two shares of points
 /// of one scan that the range image of the other contradicts (0 to 1). A few hundredths in streets with
 /// traffic, through doors and in shakes, more while a lorry passes close by, and 0.15 and more at another
-/// place that looks the same. 0 after more than four seconds, in which too much may have changed, and for
-/// planar sensors, which have too few points.
+/// place that looks the same. 0 after more than four seconds, in which too much may have changed.
 double contradiction(const TrustedScan& before, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& now);
 /// Largest contradiction of two scans at right poses, unless something large moves.

@@ -81,6 +81,24 @@ TEST_CASE("after a gap, or for an unusual alignment, the last trusted scan contr
   CHECK(check.is_contradicted(kScanPeriod, seen_there, attempt(0)));
 }
 
+TEST_CASE("a planar scan is contradicted only where the motion is unusual, too") {
+  const Pose here = Pose::Identity(), other(Eigen::Translation3d(-6, 5, 0));
+  const auto planar_at = [](const Pose& pose, unsigned seed) {
+    PreparedScan scan;
+    scan.planar = true;
+    scan.source = scan.rays = planar_hall_scan(pose, Vector6::Zero(), 0, seed).points;
+    return scan;
+  };
+  AlignmentCheck check;
+  check.trust(0, planar_at(here, 1), {here, Vector6::Zero()}, true);
+  const PreparedScan there = planar_at(other, 2);
+  for (const std::int64_t now : {kScanPeriod, 5 * kScanPeriod}) {
+    CHECK(check.is_contradicted(now, there, attempt(0.11)));  // a squared gap of 1.2
+    CHECK_FALSE(check.is_contradicted(now, there, attempt(0.09, 4.5, 0.3)));
+    CHECK_FALSE(check.is_contradicted(now, planar_at(here, 3), attempt(0.11)));
+  }
+}
+
 TEST_CASE("after a short gap an unexpected motion has to be confirmed, once the motion is known") {
   AlignmentCheck check;
   check.trust(0, scan_at(Pose::Identity(), 1), {Pose::Identity(), Vector6::Zero()}, true);

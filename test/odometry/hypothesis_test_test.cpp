@@ -78,6 +78,22 @@ TEST_CASE("a preferred hypothesis does not win because the map of a better hypot
   CHECK(near(ending.place, Pose::Identity(), 0.1, 0.1));
 }
 
+TEST_CASE("a hypothesis that a search leaves alone wins, but not at the wrong place") {
+  const std::vector<ArchivedKeyframe> map = {archived(Pose::Identity(), hall_map()),
+                                             archived(kThere, hall_map())};
+  const Pose wrong(Eigen::Translation3d(0, 0, 6));
+  for (const Pose& kept : {Pose::Identity(), kThere, wrong}) {
+    HypothesisTest test({Pose::Identity(), kThere, wrong});
+    test.keep_only(kept, Pose::Identity());
+    REQUIRE(test.hypotheses().size() == 1);
+    const Ending ending = ending_of(std::move(test), map);
+    CHECK((ending.outcome == HypothesisTest::Outcome::kWon) == (kept.translation() != wrong.translation()));
+  }
+  HypothesisTest unknown({Pose::Identity(), kThere});
+  unknown.keep_only(wrong, Pose::Identity());
+  CHECK(unknown.hypotheses().size() == 2);
+}
+
 TEST_CASE("at the expected pose, without a search, the inlier ratio has to be as usual") {
   Scan map;
   map.points = hall_map();

@@ -62,6 +62,7 @@ struct Displaced {
     answer.log_odds = log_odds;
     answer.voxel = voxel;
     answer.certified = true;
+    answer.alone = alone;
     answer.map_from_predicted = place * lost.inverse();
     for (const Pose& runner_up : runners_up) answer.runners_up.push_back(runner_up * lost.inverse());
     relocalisation.give(answer, archive, first.voxel, odometer);
@@ -87,6 +88,7 @@ struct Displaced {
   Relocalisation relocalisation;
   KeyframeArchive archive{10000000};
   Pose lost{Eigen::Translation3d(20, 60, 0)};
+  bool alone = false;  ///< whether searches exclude all other places
 };
 
 }  // namespace
@@ -119,6 +121,37 @@ TEST_CASE("hypotheses that scans did not separate stay runners-up when a later s
   }
   REQUIRE(given == 2);
   CHECK(outcome == Relocalisation::Outcome::kLost);
+}
+
+TEST_CASE(
+    "a search that excludes all other places ends the doubt that earlier ones left, also during a test") {
+  TrackerConfig config;
+  config.max_keyframes = 4;
+  const Pose twin(Eigen::Translation3d(40, 0, 0));
+  for (const bool excluded : {false, true}) {
+    for (const unsigned second : {1u, 12u}) {  // scans after the first search: the test takes eight
+      CAPTURE(excluded);
+      CAPTURE(second);
+      Displaced robot(config);
+      robot.lose_in({Pose::Identity(), twin});
+      Attempt attempt;
+      auto outcome = Relocalisation::Outcome::kLost;
+      unsigned first = 0;
+      int given = 0;
+      for (unsigned i = 1; i < 34 && outcome == Relocalisation::Outcome::kLost; ++i) {
+        outcome = robot.relocalisation.follow(100000 * i, 0.1, robot.hall.scan(i), robot.odometer, &attempt);
+        if (given == 0 && robot.propose(i, {twin})) {
+          given = 1;
+          first = i;
+        } else if (given == 1 && i >= first + second) {
+          robot.alone = excluded;
+          given += robot.propose(i, {}, kBelieved, 0.2);
+        }
+      }
+      REQUIRE(given == 2);
+      CHECK((outcome == Relocalisation::Outcome::kFound) == excluded);
+    }
+  }
 }
 
 TEST_CASE("a runner-up that the archive does not show better does not replace the local map") {
