@@ -101,7 +101,7 @@ struct RecoveryAnswer {
   /// Those of the request's `undecided` that the map does not contradict, though it lacks much of the source
   /// there.
   std::vector<Pose> uncontradicted;
-  /// Of the largest consensus, which need not be that of the likeliest hypothesis.
+  /// Of the largest consensus, which need not be that of the likeliest hypothesis. See also PlanarPart.
   int matches = 0, matches_kept = 0, consensus = 0, upper_bound = 0, runner_up_consensus = 0;
   bool certified = false;
   double voxel = 0;          ///< metres, as requested

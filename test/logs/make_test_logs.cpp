@@ -144,14 +144,21 @@ Bytes mbot_scan(const Scan& scan) {
   return generated_bytes(message);
 }
 
-std::vector<Scan> planar_drive(int scans) {
+/// Carried elsewhere before scan `kidnap`.
+std::vector<Scan> planar_drive(int scans, int kidnap) {
   std::vector<Scan> result;
   for (int i = 0; i < scans; ++i) {
     const Vector6 v = velocity(1, 0.2);
-    result.push_back(planar_hall_scan(at(-8, 0, 0) * se3_exp(0.1 * i * v), v, kStart + kPeriod * i,
-                                      static_cast<unsigned>(i)));
+    const Pose pose = i < kidnap ? at(-8, 0, 0) * se3_exp(0.1 * i * v)
+                                 : at(-5, 1, 20 * kDegree) * se3_exp(0.1 * (i - kidnap) * v);
+    result.push_back(planar_hall_scan(pose, v, kStart + kPeriod * i, static_cast<unsigned>(i)));
   }
   return result;
+}
+
+Recipe planar_recipe(int scans, int kidnap) {
+  return of_type(planar_drive(scans, kidnap),
+                 [](const Scan& s, const ScanTags&) { return encode_planar_lidar(s, 360); });
 }
 
 void add_priors(const std::vector<Scan>& scans, double speed, Recipe& recipe) {
@@ -190,13 +197,11 @@ std::vector<std::pair<std::string, std::function<Recipe()>>> recipes() {
       {"type_drake", [=] { return of_type(indoor(250), encode_drake_point_cloud); }},
       {"type_ros_pointcloud2", [=] { return of_type(indoor(250), encode_ros_pointcloud2); }},
       {"type_sectors", [=] { return plain(indoor(400)); }},
-      {"type_planar_lidar",
-       [] {
-         return of_type(planar_drive(50),
-                        [](const Scan& s, const ScanTags&) { return encode_planar_lidar(s, 360); });
-       }},
+      {"type_planar_lidar", [] { return planar_recipe(50, 50); }},
       {"type_mbot_lidar",
-       [] { return of_type(planar_drive(12), [](const Scan& s, const ScanTags&) { return mbot_scan(s); }); }},
+       [] {
+         return of_type(planar_drive(12, 12), [](const Scan& s, const ScanTags&) { return mbot_scan(s); });
+       }},
       // ---- stamps and times of points
       {"stamp_at_the_end",
        [] { return plain(simulated(WorldKind::kUrban, LidarKind::kVlp16, 4, 7, {}, 400, 0, true)); }},
@@ -259,6 +264,7 @@ std::vector<std::pair<std::string, std::function<Recipe()>>> recipes() {
       {"drive_field", [] { return plain(simulated(WorldKind::kField, LidarKind::kVlp16, 4, 3, {}, 400)); }},
       // ---- events
       {"event_kidnap", [] { return plain(hall_drive(62, 300, velocity(1, 0.1), 35, at(-3, -2, 2.6))); }},
+      {"event_kidnap_planar", [] { return planar_recipe(62, 50); }},
       {"event_kidnap_in_a_gap",
        [] {
          std::vector<Scan> scans = hall_drive(60, 600, velocity(1, 0.1), 32, at(0, -1, 2.9));
