@@ -138,6 +138,12 @@ TEST_CASE("a search that is cut short proves no more than it knows") {
   const OccupancyTarget target(OccupancyGrid(map, 0.1), 20);
   const OccupancyMatches whole = search_occupancy(grid, target);
   OccupancySearchOptions options;
+  options.log_odds = 1000;
+  const OccupancyMatches more = search_occupancy(grid, target, options);
+  REQUIRE(whole.poses.size() == 1);
+  REQUIRE(more.poses.size() > 1);
+  CHECK(whole.rival_bound >= more.poses[1].log_likelihood);
+  options = {};
   for (const std::size_t work : {whole.work / 50, whole.work / 4, whole.work - 1}) {
     options.max_work = work;
     const OccupancyMatches part = search_occupancy(grid, target, options);
