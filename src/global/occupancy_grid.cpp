@@ -80,11 +80,4 @@ OccupancyGrid::State OccupancyGrid::state(int x, int y) const {
   return counts.passed > 0 ? kFree : kUnknown;
 }
 
-std::size_t OccupancyGrid::count(State wanted) const {
-  std::size_t result = 0;
-  for (int y = 0; y < size_.y(); ++y)
-    for (int x = 0; x < size_.x(); ++x) result += state(x, y) == wanted ? 1 : 0;
-  return result;
-}
-
 }  // namespace scanlock

@@ -27,8 +27,6 @@ class OccupancyGrid {
   /// Of the cell `low() + (x, y)`: occupied where more than half as many scans ended there as passed through;
   /// a moved object, and a wall that rays graze, have both. Precondition: within size().
   State state(int x, int y) const;
-  /// The number of cells in a state.
-  std::size_t count(State state) const;
 
   static constexpr int kMostCells = 1000;
 

@@ -50,8 +50,8 @@ double lead_odds(const OccupancyMatches& matches, double log_likelihood);
 struct OccupancySearchOptions {
   double log_odds = 10;    ///< other places are found up to these log odds against them, see lead_odds()
   std::size_t places = 5;  ///< at most so many
-  double distance = 1, angle = 0.1;  ///< metres, radians: poses within both of each other are one place
-  std::size_t max_work = 400'000'000;
+  double distance = 1, angle = 0.1;    ///< metres, radians: poses within both of each other are one place
+  std::size_t max_work = 400'000'000;  ///< samples that are looked up: some tenths of a second
 };
 
 /// The pose of largest log-likelihood ratio against chance, over the poses of a lattice of one cell and of

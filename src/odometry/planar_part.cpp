@@ -23,7 +23,7 @@ Pose levelled_about(const Eigen::Vector3d& centre, const Eigen::Vector3d& body_u
   return Pose(level_rotation(body_up)) * Eigen::Translation3d(-centre);
 }
 
-Pose level_from_map(const SearchTarget& target) {
+Pose levelled_from_map(const SearchTarget& target) {
   return levelled_about(target.centre, target.places.front().map_from_body.linear().col(2));
 }
 
@@ -46,8 +46,8 @@ bool PlanarPart::applies(const RecoveryRequest& request) {
 
 PlanarPart::PlanarPart(const SearchTarget& target)
     : PlanarPart(moved(submap_around(target.places, target.centre, target.radius, kCell * target.voxel),
-                       Pose(level_from_map(target).linear())),
-                 target, level_from_map(target)) {}
+                       Pose(levelled_from_map(target).linear())),
+                 target, levelled_from_map(target)) {}
 
 PlanarPart::PlanarPart(const PointCloud& cloud, const SearchTarget& target, const Pose& level_from_map)
     : level_from_map_(level_from_map),
@@ -96,7 +96,7 @@ RecoveryAnswer PlanarPart::find(const RecoveryRequest& request) const {
   answer.certified = true;
   answer.consensus = answer.upper_bound;
   answer.log_odds = log_odds(found);
-  answer.alone = lead_odds(found, found.rival_bound) >= kBelieved;
+  answer.no_rival = lead_odds(found, found.rival_bound) >= kBelieved;
   answer.little = best.surfaces < kLittleOverlap * found.surfaces;
   char text[200];
   std::snprintf(

@@ -109,7 +109,7 @@ struct RecoveryAnswer {
   double missing = 0;        ///< see CloudFit; of the likeliest hypothesis
   double log_odds = 0;       ///< see CloudRegistration; of the likeliest hypothesis
   bool little = false;       ///< less than half of the source is in the map there
-  bool alone = false;        ///< proven: at any other place the log odds are lower by kBelieved or more
+  bool no_rival = false;     ///< proven: at any other place the log odds are lower by kBelieved or more
   std::string reason;
   std::string map_fault;  ///< see TrackedScan; if not empty, nothing was found
   std::int64_t nodes = 0;

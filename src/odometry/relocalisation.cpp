@@ -264,7 +264,7 @@ void Relocalisation::join_test(RecoveryAnswer answer, const KeyframeArchive& arc
   });
   ended_ = recovery_of(answer, is_known ? "this hypothesis is being tested already: "
                                         : "tested beside the hypotheses of earlier searches: ");
-  if (answer.alone) {
+  if (answer.no_rival) {
     running_test_->test.keep_only(answer.map_from_predicted, lost_odometry_->state().pose);
     undecided_.clear();
   }
@@ -342,7 +342,7 @@ std::vector<std::unique_ptr<Odometer>> Relocalisation::maps_of(const std::vector
 /// them.
 std::vector<Pose> Relocalisation::runners_up_of(const RecoveryAnswer& answer) const {
   std::vector<Pose> runners_up;
-  if (answer.alone) return runners_up;
+  if (answer.no_rival) return runners_up;
   const auto add = [&](const Pose& place) {
     const auto is_place = [&](const Pose& other) { return agree(other, place, 1); };
     const bool taken =

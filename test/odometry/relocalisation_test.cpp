@@ -62,7 +62,7 @@ struct Displaced {
     answer.log_odds = log_odds;
     answer.voxel = voxel;
     answer.certified = true;
-    answer.alone = alone;
+    answer.no_rival = no_rival;
     answer.map_from_predicted = place * lost.inverse();
     for (const Pose& runner_up : runners_up) answer.runners_up.push_back(runner_up * lost.inverse());
     relocalisation.give(answer, archive, first.voxel, odometer);
@@ -88,7 +88,7 @@ struct Displaced {
   Relocalisation relocalisation;
   KeyframeArchive archive{10000000};
   Pose lost{Eigen::Translation3d(20, 60, 0)};
-  bool alone = false;  ///< whether searches exclude all other places
+  bool no_rival = false;  ///< whether searches exclude all other places
 };
 
 }  // namespace
@@ -144,7 +144,7 @@ TEST_CASE(
           given = 1;
           first = i;
         } else if (given == 1 && i >= first + second) {
-          robot.alone = excluded;
+          robot.no_rival = excluded;
           given += robot.propose(i, {}, kBelieved, 0.2);
         }
       }
