@@ -28,7 +28,7 @@ class OccupancyGrid {
   /// a moved object, and a wall that rays graze, have both. Precondition: within size().
   State state(int x, int y) const;
 
-  static constexpr int kMostCells = 1000;
+  static constexpr int kMostCells = 750;  ///< bounds the memory
 
  private:
   struct Counts {

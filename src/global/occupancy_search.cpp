@@ -16,7 +16,6 @@ namespace {
 
 // Cells between samples, of surfaces and of free space: nearer ones share most of their evidence.
 constexpr int kSurfaceStep = 3, kFreeStep = 6;
-constexpr int kTop = OccupancyTarget::kTop;
 // See log_odds(). A lead counts relative to the perfect log-likelihood ratio and a few nats of chance.
 constexpr double kOddsOfNothing = -6.5, kOddsOfShare = 5.0, kOddsOfLead = 42, kChance = 50;
 
@@ -108,8 +107,8 @@ OccupancySearch::OccupancySearch(const OccupancyGrid& source, const OccupancyTar
                      target.highest(OccupancyTarget::kFreeSpace) * (result_.samples - result_.surfaces));
   turns_ = static_cast<int>(std::ceil(2 * kPi * reach));
   step_ = 2 * kPi / turns_;
-  turned_.resize(kTop + 1);
-  for (int level = 0; level <= kTop; ++level)
+  turned_.resize(OccupancyTarget::kTop + 1);
+  for (int level = 0; level <= OccupancyTarget::kTop; ++level)
     turned_[static_cast<std::size_t>(level)].resize(static_cast<std::size_t>((turns_ >> level) + 1));
 }
 
@@ -201,11 +200,11 @@ void OccupancySearch::settle(const Box& box) {
 }
 
 OccupancyMatches OccupancySearch::run() {
-  const int wide = 1 << kTop;
+  const int wide = 1 << OccupancyTarget::kTop;
   for (int n = 0; n < turns_; n += wide)
     for (int y = 0; y < target_.size().y(); y += wide)
       for (int x = 0; x < target_.size().x(); x += wide)
-        push({0, kTop, n, target_.low().x() + x, target_.low().y() + y});
+        push({0, OccupancyTarget::kTop, n, target_.low().x() + x, target_.low().y() + y});
   while (!open_.empty() && result_.poses.size() < options_.places && result_.work < options_.max_work) {
     std::pop_heap(open_.begin(), open_.end());
     const Box box = open_.back();

@@ -40,8 +40,9 @@ OccupancyTarget::OccupancyTarget(const OccupancyGrid& grid, double reach)
   for (int y = 0; y < size_.y(); ++y) {
     for (int x = 0; x < size_.x(); ++x) {
       const std::ptrdiff_t i = at(x + border_, y + border_, columns);
-      states[static_cast<std::size_t>(i)] = grid.state(x, y);
-      if (grid.state(x, y) != OccupancyGrid::kOccupied) continue;
+      const OccupancyGrid::State state = grid.state(x, y);
+      states[static_cast<std::size_t>(i)] = state;
+      if (state != OccupancyGrid::kOccupied) continue;
       for (int v = -1; v <= 1; ++v)
         for (int u = -1; u <= 1; ++u) near[static_cast<std::size_t>(i + at(u, v, columns))] = 1;
     }

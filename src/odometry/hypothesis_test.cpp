@@ -85,7 +85,7 @@ void HypothesisTest::keep_only(const Pose& map_from_predicted, const Pose& predi
   };
   const auto it = std::find_if(hypotheses_.begin(), hypotheses_.end(), is_it);
   if (it == hypotheses_.end()) return;
-  std::rotate(hypotheses_.begin(), it, it + 1);
+  std::iter_swap(hypotheses_.begin(), it);
   hypotheses_.erase(hypotheses_.begin() + 1, hypotheses_.end());
 }
 

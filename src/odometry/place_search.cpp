@@ -143,6 +143,7 @@ std::optional<RecoveryRequest> PlaceSearch::next(std::int64_t utime, const Surro
   target.up = up.value_or(Eigen::Vector3d::UnitZ());
   target.places = archive.keyframes();
   request.source_centre = here;
+  request.planar = seen.map.planar();
   request.source = seen.map.around(here, target.source_radius);
   // A measured attitude is valid at every place. Every other round does without it: during accelerations the
   // measurement is bad.

@@ -13,8 +13,7 @@
 namespace scanlock {
 namespace {
 
-constexpr double kCell = 0.5;       // of the voxel of the search
-constexpr double kMostCells = 750;  // along x and y: a larger part has larger cells, to bound the memory
+constexpr double kCell = 0.5;  // of the voxel of the search
 // The estimate of the CPU time, seconds: per cell of the tables, and per sample that is looked up.
 constexpr double kSecondsACell = 4e-8, kSecondsALookup = 1e-9;
 
@@ -27,21 +26,19 @@ Pose levelled_from_map(const SearchTarget& target) {
   return levelled_about(target.centre, target.places.front().map_from_body.linear().col(2));
 }
 
+/// Metres: a part that is too large for a grid has larger cells.
 double cell_for(const PointCloud& cloud, double voxel) {
   if (cloud.empty()) return kCell * voxel;
   const auto [left, right] = std::minmax_element(cloud.x.begin(), cloud.x.end());
   const auto [near, far] = std::minmax_element(cloud.y.begin(), cloud.y.end());
-  return std::max(kCell * voxel, static_cast<double>(std::max(*right - *left, *far - *near)) / kMostCells);
+  return std::max(kCell * voxel,
+                  static_cast<double>(std::max(*right - *left, *far - *near)) / OccupancyGrid::kMostCells);
 }
 
 }  // namespace
 
 bool PlanarPart::applies(const SearchTarget& target) {
   return !target.places.empty() && is_planar(*target.places.front().points.cloud());
-}
-
-bool PlanarPart::applies(const RecoveryRequest& request) {
-  return is_planar(moved(request.source, Pose(level_rotation(request.body_up)))) && applies(request.target);
 }
 
 PlanarPart::PlanarPart(const SearchTarget& target)

@@ -11,8 +11,7 @@ namespace scanlock {
 /// A part of a map of a planar sensor, prepared for searches by search_occupancy().
 class PlanarPart {
  public:
-  /// Whether source and map are of planar sensors. Throws PointsUnreadable.
-  static bool applies(const RecoveryRequest& request);
+  /// Whether the map is of a planar sensor. Throws PointsUnreadable.
   static bool applies(const SearchTarget& target);
 
   /// Throws PointsUnreadable.

@@ -160,7 +160,7 @@ void PlaceFinder::prepare(const SearchTarget& target) {
 
 RecoveryAnswer PlaceFinder::find(const RecoveryRequest& request) {
   CpuClock clock;
-  if (PlanarPart::applies(request)) {
+  if (request.planar && PlanarPart::applies(request.target)) {
     double cost_s = 0;
     RecoveryAnswer answer = known(request.target, true, &cost_s).plane->find(request);
     answer.cost_s += cost_s;

@@ -35,6 +35,7 @@ struct RecoveryRequest {
   PointCloud source;
   Eigen::Vector3d source_centre = Eigen::Vector3d::Zero();
   SearchTarget target;  ///< searched with a wider voxel where the source is sparse
+  bool planar = false;  ///< the source is of a planar sensor
   bool finer = false;   ///< a finer voxel may be used, if only that shows enough points of steep surfaces
   double tilt = 0;      ///< radians: error of the attitudes that the search allows for
   /// The z axis of the body, axes of the predicted map frame, unit.
