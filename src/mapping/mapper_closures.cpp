@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/angles.hpp"
 #include "mapping/mapper.hpp"
 
 namespace scanlock {
@@ -13,7 +12,6 @@ namespace {
 
 // Constraints on a path between two keyframes.
 constexpr int kFewSteps = 4;
-constexpr double kJumpMetres = 0.05, kJumpRadians = 0.5 * kDegree;  // a larger correction begins a new epoch
 
 }  // namespace
 
@@ -127,7 +125,7 @@ void Mapper::bend(const ClosureAnswer& answer, const Pose& own_from_fixed) {
     }
   }
   const Pose here = tracker_.own_from_body();
-  const bool jumps = !near(before * here, map_from_own * here, kJumpMetres, kJumpRadians);
+  const bool jumps = is_jump(before * here, map_from_own * here);
   tracker_.correct(own_from_keyframe, map_from_own, seen_from_robot(answer.keyframe, answer.drift), jumps);
   if (!jumps) return;
   correction_ = Recovery();

@@ -4,19 +4,16 @@
 
 #include <algorithm>
 
+#include "geometry/elementary.hpp"
+
 namespace scanlock {
 namespace {
 
-// Squared gaps (see squared_gap): the bound in place of kMostGap after a distrusted scan, and the one beyond
-// which an alignment is unusual. Scans with a lorry close by have 0.5; kidnaps that no other test detects
-// mostly have 6 and more.
-constexpr double kMostGapDistrusted = 10, kUnusualGap = 1;
-// Seconds without a trusted scan, after which right alignments have gaps as large as wrong ones.
-constexpr double kMotionTells = 1.2;
-
-double gap(const Attempt& attempt) {
-  return squared_gap(attempt.prior, attempt.alignment.moving);
-}
+constexpr double kMostGapDistrusted =
+    10;  // squared gap: the bound in place of kMostGap after a distrusted scan
+// Seconds without a trusted scan after which a kidnap is as likely as none. Before, its odds grow with the
+// square of the time, because a robot is not carried away in a moment.
+constexpr double kEvenAfter = 6;
 
 }  // namespace
 
@@ -43,30 +40,27 @@ double AlignmentCheck::unseen_s(std::int64_t now) const {
 }
 
 bool AlignmentCheck::is_plausible(const Attempt& attempt) const {
-  return gap(attempt) <= (distrusted_scans_ > 0 ? kMostGapDistrusted : kMostGap);
+  return squared_gap(attempt.prior, attempt.alignment.moving) <=
+         (distrusted_scans_ > 0 ? kMostGapDistrusted : kMostGap);
 }
 
 bool AlignmentCheck::is_trusted(const Attempt& attempt) const {
   return explains(attempt, kJumpScore) && is_plausible(attempt);
 }
 
-bool AlignmentCheck::is_to_be_confirmed(std::int64_t now, double period_s, const MotionPrior& expected,
-                                        const Attempt& attempt) const {
-  const double unseen = unseen_s(now);
-  return unseen > std::max(kMoment, 1.5 * period_s) && unseen < kMotionTells &&
-         !attempt.health.short_history && squared_gap(expected, attempt.alignment.moving) > kUnusualGap;
-}
-
-bool AlignmentCheck::is_contradicted(std::int64_t now, const PreparedScan& scan,
-                                     const Attempt& attempt) const {
-  const bool after_gap = unseen_s(now) > kMoment;
-  const double most = after_gap ? kMostContradictionAfterGap : kMostContradiction;
-  const bool moved_unusually = looks_alike_ || gap(attempt) > kUnusualGap;
-  // A person or a door hides a large part of a planar scan, but does not change the motion.
-  const bool unusual = moved_unusually || (!scan.planar && (after_gap || attempt.health.score > kFitScore ||
-                                                            !has_usual_inlier_ratio(attempt.health)));
-  return unusual && !attempt.health.short_history &&
-         contradiction(last_, now, scan, attempt.alignment.moving) > most;
+bool AlignmentCheck::is_kidnapped(std::int64_t now, const PreparedScan& scan, const MotionPrior& expected,
+                                  const Attempt& attempt) const {
+  if (attempt.health.short_history) return false;
+  // Consecutive scans share most of their evidence: after a scan that spoke for a kidnap the odds are even.
+  const double prior = looks_alike_ ? 0 : 2 * log(unseen_s(now) / kEvenAfter);
+  // Another prediction may explain the motion; it is no evidence of a kidnap where it does not.
+  const MovingPose& moving = attempt.alignment.moving;
+  KidnapEvidence evidence;
+  evidence.squared_gap = std::min(squared_gap(attempt.prior, moving), squared_gap(expected, moving));
+  evidence.inlier_ratio = inlier_ratio_to_usual(attempt.health);
+  if (prior + most_kidnap_odds(evidence) <= 0) return false;
+  evidence.contradiction = contradiction(last_, now, scan, moving);
+  return prior + kidnap_log_odds(evidence) > 0;
 }
 
 }  // namespace scanlock

@@ -337,8 +337,12 @@ bool explains(const Attempt& attempt, double most_score) {
          h.inliers >= static_cast<int>(kLeastPoints);
 }
 
+double inlier_ratio_to_usual(const Health& health) {
+  return health.median_inlier_ratio > 0 ? health.inlier_ratio / health.median_inlier_ratio : 1;
+}
+
 bool has_usual_inlier_ratio(const Health& health) {
-  return health.inlier_ratio >= kLeastOfUsualShare * health.median_inlier_ratio;
+  return inlier_ratio_to_usual(health) >= kLeastOfUsualShare;
 }
 
 PreparedScan part_of(const PreparedScan& scan, std::size_t points) {

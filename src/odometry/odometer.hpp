@@ -192,6 +192,8 @@ class Odometer {
 /// z-score of the energy below `most_score`.
 bool explains(const Attempt& attempt, double most_score);
 
+/// The inlier ratio over its running median; 1 without a median.
+double inlier_ratio_to_usual(const Health& health);
 /// Whether the inlier ratio is at least 0.8 of its running median. A lower one indicates new ground or
 /// another place.
 bool has_usual_inlier_ratio(const Health& health);

@@ -31,8 +31,6 @@ class Timeline {
   /// bound, which may be larger where the clock stepped or is irregular.
   double elapsed_s() const { return elapsed_s_; }
   double most_elapsed_s() const { return most_elapsed_s_; }
-  /// The usual seconds between two scans of this sensor (see ScanClock).
-  double period_s() const { return clock_.period_s(); }
 
   /// To be called before any scan: all times will be at least an hour later than `time`, the last one of an
   /// earlier run, whatever the clocks of the two runs show. Microseconds.

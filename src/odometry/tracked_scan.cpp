@@ -2,7 +2,13 @@
 // SPDX-License-Identifier: MIT
 #include "odometry/tracked_scan.hpp"
 
+#include "geometry/angles.hpp"
+
 namespace scanlock {
+
+bool is_jump(const Pose& from, const Pose& to) {
+  return !near(from, to, 0.05, 0.5 * kDegree);
+}
 
 const char* to_string(TrackingState state) {
   switch (state) {

@@ -101,7 +101,7 @@ struct Tracker::State {
   void jump(const Pose& from, const Pose& to);
   /// The prediction stands in for a scan that is not trusted; after two such scans in a row the robot is
   /// lost.
-  void distrust(const MotionPrior& prior, bool contradicted = false);
+  void distrust(const MotionPrior& prior, bool kidnapped = false);
   /// The prediction stands in for a scan without points.
   void coast(const MotionPrior& prior);
 

@@ -94,21 +94,16 @@ void Tracker::State::track_on(const PreparedScan& scan, const ScanPrior& auxilia
     if (check.is_trusted(hinted)) attempt = std::move(hinted);
   }
   const bool fits = check.is_trusted(attempt);
-  const bool contradicted = fits && check.is_contradicted(time.now(), scan, attempt);
-  const bool unconfirmed =
-      fits && !contradicted && check.is_to_be_confirmed(time.now(), time.period_s(), expected, attempt);
+  const bool kidnapped = fits && check.is_kidnapped(time.now(), scan, expected, attempt);
   finished(Stage::kAlign);
-  if (fits && !contradicted && !unconfirmed) {
+  if (fits && !kidnapped) {
     if (auxiliary.motion) attempt.told = expected.mean;
     trust(scan, attempt);
     describe(attempt, PoseMethod::kIcp, tracked);
     return;
   }
   describe(attempt, PoseMethod::kPredicted, tracked);
-  // The alignment is still likelier than the prediction; local relocalisation begins there.
-  if (unconfirmed) prior.mean = attempt.alignment.moving;
-  distrust(prior, contradicted || unconfirmed);
-  if (unconfirmed && !relocalisation.lost()) lose();
+  distrust(prior, kidnapped);
   if (state == TrackingState::kInitialising) {
     if (check.distrusted_scans() >= kFalseStarts) start(scan);
     return;
@@ -156,8 +151,8 @@ void Tracker::State::jump(const Pose& from, const Pose& to) {
   local_from_own = renormalised(local_from_own * from * to.inverse());
 }
 
-void Tracker::State::distrust(const MotionPrior& prior, bool contradicted) {
-  check.distrust(contradicted);
+void Tracker::State::distrust(const MotionPrior& prior, bool kidnapped) {
+  check.distrust(kidnapped);
   coast(prior);
   if (state != TrackingState::kInitialising && !relocalisation.lost() && check.distrusted_scans() > 1) lose();
 }

@@ -24,12 +24,24 @@ TrustedScan trusted_scan(std::int64_t utime, const PreparedScan& scan, const Mov
 /// Contradiction of two scans in a row at their poses, without a map: the larger of the two shares of points
 /// of one scan that the range image of the other contradicts (0 to 1). A few hundredths in streets with
 /// traffic, through doors and in shakes, more while a lorry passes close by, and 0.15 and more at another
-/// place that looks the same. 0 after more than four seconds, in which too much may have changed.
+/// place that looks the same. A value that tells nothing after more than four seconds, in which too much may
+/// have changed.
 double contradiction(const TrustedScan& before, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& now);
-/// Largest contradiction of two scans at right poses, unless something large moves.
-inline constexpr double kMostContradiction = 0.1;
-/// The same after more than kMoment without a trusted scan: a kidnap is then likelier than a passing lorry.
-inline constexpr double kMostContradictionAfterGap = 0.05;
+
+/// Evidence about a kidnap: the alignment of a scan explains it, but the robot may have been carried to
+/// another place that looks like the expected one.
+struct KidnapEvidence {
+  double squared_gap = 0;    ///< of the motion from the prediction, see squared_gap()
+  double contradiction = 0;  ///< of the last trusted scan, see contradiction()
+  double inlier_ratio = 1;   ///< over its running median
+};
+/// Log odds of a kidnap at even prior odds. A logistic model, fitted with the prior odds of AlignmentCheck to
+/// 137,949 scans without a kidnap (15 kinds of worlds of two simulators, with gaps of up to 1 s in the scans,
+/// and recordings of three planar sensors: 3.8 hours) and 196 after one: two of the former have positive log
+/// odds, and two of the latter negative ones.
+double kidnap_log_odds(const KidnapEvidence& evidence);
+/// The log odds with the contradiction that tells most.
+double most_kidnap_odds(KidnapEvidence evidence);
 
 }  // namespace scanlock

@@ -51,82 +51,77 @@ TEST_CASE("an alignment near its prediction is plausible, whatever its inlier ra
 
 TEST_CASE("an alignment is trusted if its z-score is low and it is plausible") {
   AlignmentCheck check;
-  const PreparedScan scan;
   CHECK(check.is_trusted(attempt(0.3, 5)));
   CHECK_FALSE(check.is_trusted(attempt(0.56, 5)));
   CHECK_FALSE(check.is_trusted(attempt(0.1, 8)));
   check.distrust(false);
-  CHECK(check.distrusted_scans() == 1);
   CHECK(check.is_trusted(attempt(0.3, 5)));
   CHECK_FALSE(check.is_trusted(attempt(0.33, 5)));
-  check.trust(kScanPeriod, scan, {Pose::Identity(), Vector6::Zero()}, true);
-  CHECK(check.distrusted_scans() == 0);
 }
 
-TEST_CASE("after a gap, or for an unusual alignment, the last trusted scan contradicts a wrong pose") {
-  const Pose here = Pose::Identity(), other(Eigen::Translation3d(-6, 5, 0));
-  const PreparedScan seen_there = scan_at(other, 2);
+TEST_CASE("distrusted scans are counted until the next trusted one") {
   AlignmentCheck check;
-  check.trust(0, scan_at(here, 1), {here, Vector6::Zero()}, true);
-  CHECK_FALSE(check.is_contradicted(kScanPeriod, seen_there, attempt(0)));
-  CHECK(check.is_contradicted(5 * kScanPeriod, seen_there, attempt(0)));
-  CHECK_FALSE(check.is_contradicted(5 * kScanPeriod, scan_at(here, 3), attempt(0)));
-  CHECK(check.is_contradicted(kScanPeriod, seen_there, attempt(0, 4.5)));
-  CHECK(check.is_contradicted(kScanPeriod, seen_there, attempt(0, 0, 0.3)));
-  Attempt first = attempt(0);
-  first.health.short_history = true;
-  CHECK_FALSE(check.is_contradicted(5 * kScanPeriod, seen_there, first));
+  check.distrust(false);
+  CHECK_FALSE(check.looks_alike());
   check.distrust(true);
+  CHECK(check.distrusted_scans() == 2);
   CHECK(check.looks_alike());
-  CHECK(check.is_contradicted(kScanPeriod, seen_there, attempt(0)));
+  check.trust(kScanPeriod, PreparedScan(), {Pose::Identity(), Vector6::Zero()}, true);
+  CHECK(check.distrusted_scans() == 0);
+  CHECK_FALSE(check.looks_alike());
 }
 
-TEST_CASE("a planar scan is contradicted only where the motion is unusual, too") {
+TEST_CASE("a kidnap is told by the contradiction, the motion and the inlier ratio together") {
   const Pose here = Pose::Identity(), other(Eigen::Translation3d(-6, 5, 0));
-  const auto planar_at = [](const Pose& pose, unsigned seed) {
-    PreparedScan scan;
-    scan.planar = true;
-    scan.source = scan.rays = planar_hall_scan(pose, Vector6::Zero(), 0, seed).points;
-    return scan;
-  };
-  AlignmentCheck check;
-  check.trust(0, planar_at(here, 1), {here, Vector6::Zero()}, true);
-  const PreparedScan there = planar_at(other, 2);
-  for (const std::int64_t now : {kScanPeriod, 5 * kScanPeriod}) {
-    CHECK(check.is_contradicted(now, there, attempt(0.11)));  // a squared gap of 1.2
-    CHECK_FALSE(check.is_contradicted(now, there, attempt(0.09, 4.5, 0.3)));
-    CHECK_FALSE(check.is_contradicted(now, planar_at(here, 3), attempt(0.11)));
+  for (const bool planar : {false, true}) {
+    const auto scan = [&](const Pose& pose, unsigned seed) {
+      PreparedScan result;
+      result.planar = planar;
+      result.source = result.rays = planar ? planar_hall_scan(pose, Vector6::Zero(), 0, seed).points
+                                           : hall_scan(pose, Vector6::Zero(), 0, seed).points;
+      return result;
+    };
+    AlignmentCheck check;
+    check.trust(0, scan(here, 1), {here, Vector6::Zero()}, true);
+    const PreparedScan seen_here = scan(here, 3), seen_there = scan(other, 2);
+    const auto is_kidnapped = [&](const PreparedScan& seen, const Attempt& by,
+                                  std::int64_t now = kScanPeriod) {
+      return check.is_kidnapped(now, seen, by.prior, by);
+    };
+    CHECK(is_kidnapped(seen_there, attempt(0.25)));
+    CHECK(is_kidnapped(seen_there, attempt(0.1, 0, 0.6)));
+    CHECK(is_kidnapped(seen_there, attempt(0.1), 12 * kScanPeriod));
+    // Two of the three do not suffice.
+    CHECK_FALSE(is_kidnapped(seen_here, attempt(0.25, 0, 0.6)));
+    CHECK_FALSE(is_kidnapped(seen_there, attempt(0)));
+    CHECK_FALSE(is_kidnapped(seen_here, attempt(0, 4.5, 0.3)));
+    const Attempt there = attempt(0.25);
+    MotionPrior told = there.prior;  // other sensors may predict the motion, or one of their own
+    told.mean = there.alignment.moving;
+    CHECK_FALSE(check.is_kidnapped(kScanPeriod, seen_there, told, there));
+    told.mean.pose = Pose(Eigen::Translation3d(3, 0, 0));
+    CHECK(check.is_kidnapped(kScanPeriod, seen_there, told, there));
+    CHECK_FALSE(check.is_kidnapped(kScanPeriod, seen_here, told, attempt(0)));
+    Attempt first = attempt(0.25);
+    first.health.short_history = true;
+    CHECK_FALSE(is_kidnapped(seen_there, first));
+    // After a scan that spoke for a kidnap the next one needs less evidence.
+    check.distrust(true);
+    CHECK(is_kidnapped(seen_there, attempt(0)));
+    CHECK_FALSE(is_kidnapped(seen_here, attempt(0)));
   }
 }
 
-TEST_CASE("after a short gap an unexpected motion has to be confirmed, once the motion is known") {
-  AlignmentCheck check;
-  check.trust(0, scan_at(Pose::Identity(), 1), {Pose::Identity(), Vector6::Zero()}, true);
-  MotionPrior told = attempt(0).prior;  // the prediction by other sensors
-  told.mean.pose = Pose(Eigen::Translation3d(0.2, 0, 0));
-  for (const double ahead : {0.09, 0.11}) {  // squared gaps of 0.8 and 1.2
-    const Attempt there = attempt(ahead);
-    CHECK_FALSE(check.is_to_be_confirmed(3 * kScanPeriod, 0.1, there.prior, there));
-    CHECK(check.is_to_be_confirmed(4 * kScanPeriod, 0.1, there.prior, there) == (ahead > 0.1));
-    CHECK(check.is_to_be_confirmed(4 * kScanPeriod, 0.1, told, there) == (ahead < 0.1));
-  }
-  Attempt first = attempt(0.3);
-  CHECK(check.is_to_be_confirmed(4 * kScanPeriod, 0.1, first.prior, first));
-  CHECK_FALSE(check.is_to_be_confirmed(4 * kScanPeriod, 0.4, first.prior, first));  // no scan is missing
-  CHECK_FALSE(check.is_to_be_confirmed(13 * kScanPeriod, 0.1, first.prior, first));
-  first.health.short_history = true;
-  CHECK_FALSE(check.is_to_be_confirmed(4 * kScanPeriod, 0.1, first.prior, first));
-}
-
-TEST_CASE("no scan is contradicted by a trusted scan that is no witness, nor after a restart") {
+TEST_CASE("a trusted scan that is no witness contradicts nothing, nor does any after a restart") {
   const Pose here = Pose::Identity();
   const PreparedScan other = scan_at(Pose(Eigen::Translation3d(-6, 5, 0)), 2);
+  const Attempt there = attempt(0.25);
   AlignmentCheck check;
   check.trust(0, scan_at(here, 1), {here, Vector6::Zero()}, false);
-  CHECK_FALSE(check.is_contradicted(5 * kScanPeriod, other, attempt(0)));
+  CHECK_FALSE(check.is_kidnapped(kScanPeriod, other, there.prior, there));
   check.distrust(false);
   check.restart(here, kScanPeriod);
   CHECK(check.distrusted_scans() == 0);
   CHECK(check.last().utime == kScanPeriod);
-  CHECK_FALSE(check.is_contradicted(5 * kScanPeriod, other, attempt(0)));
+  CHECK_FALSE(check.is_kidnapped(2 * kScanPeriod, other, there.prior, there));
 }

@@ -32,8 +32,22 @@ TEST_CASE("scans of two positions contradict, unless the rays of the first are m
   const PreparedScan first = prepared(here, Vector6::Zero(), 1), second = prepared(other, Vector6::Zero(), 2);
   TrustedScan last = trusted_scan(0, first, {here, Vector6::Zero()});
   CHECK(contradiction(last, 100000, second, {other, Vector6::Zero()}) < 0.02);
-  CHECK(contradiction(last, 100000, second, {here, Vector6::Zero()}) > 3 * kMostContradiction);
-  CHECK(contradiction(last, 4100000, second, {here, Vector6::Zero()}) == 0);
+  CHECK(contradiction(last, 100000, second, {here, Vector6::Zero()}) > 0.3);
+  const double untold = contradiction(last, 4100000, second, {here, Vector6::Zero()});
+  CHECK(untold > 0.02);
+  CHECK(untold < 0.1);
   last.rays = {};
-  CHECK(contradiction(last, 100000, second, {here, Vector6::Zero()}) == 0);
+  CHECK(contradiction(last, 100000, second, {here, Vector6::Zero()}) == untold);
+}
+
+TEST_CASE("each kind of evidence raises the log odds of a kidnap, and contradiction only up to its bound") {
+  const KidnapEvidence none = {0, 0, 1};
+  CHECK(kidnap_log_odds(none) < -5);
+  CHECK(kidnap_log_odds({1, 0, 1}) > kidnap_log_odds({0.5, 0, 1}));
+  CHECK(kidnap_log_odds({0, 0.2, 1}) > kidnap_log_odds({0, 0.1, 1}));
+  CHECK(kidnap_log_odds({0, 0, 0.6}) > kidnap_log_odds({0, 0, 0.8}));
+  CHECK(kidnap_log_odds({0, 0, 1.2}) == kidnap_log_odds(none));
+  for (const double contradiction : {0.0, 0.1, 0.5, 1.0})
+    CHECK(kidnap_log_odds({0.3, contradiction, 0.8}) <= most_kidnap_odds({0.3, 0, 0.8}));
+  CHECK(kidnap_log_odds({0.3, 1, 0.8}) == most_kidnap_odds({0.3, 0, 0.8}));
 }
