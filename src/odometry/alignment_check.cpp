@@ -5,12 +5,13 @@
 #include <algorithm>
 
 #include "geometry/elementary.hpp"
+#include "odometry/kidnap_evidence.hpp"
 
 namespace scanlock {
 namespace {
 
-constexpr double kMostGapDistrusted =
-    10;  // squared gap: the bound in place of kMostGap after a distrusted scan
+// Squared gap (see squared_gap): the bound in place of kMostGap after a distrusted scan.
+constexpr double kMostGapDistrusted = 10;
 // Seconds without a trusted scan after which a kidnap is as likely as none. Before, its odds grow with the
 // square of the time, because a robot is not carried away in a moment.
 constexpr double kEvenAfter = 6;
@@ -30,9 +31,9 @@ void AlignmentCheck::trust(std::int64_t now, const PreparedScan& scan, const Mov
   looks_alike_ = false;
 }
 
-void AlignmentCheck::distrust(bool contradicted) {
+void AlignmentCheck::distrust(bool kidnapped) {
   ++distrusted_scans_;
-  looks_alike_ = looks_alike_ || contradicted;
+  looks_alike_ = looks_alike_ || kidnapped;
 }
 
 double AlignmentCheck::unseen_s(std::int64_t now) const {

@@ -10,7 +10,7 @@
 namespace scanlock {
 
 /// Decides whether the alignment of a scan with the local map is trusted: by its energy, and by the log odds
-/// of a kidnap to a place that looks like the expected one (see kidnap_log_odds()). The bound of the distance
+/// of a kidnap to a place that looks like the expected one (see KidnapEvidence). The bound of the distance
 /// from the prediction is narrower from a distrusted scan until the next trusted one.
 class AlignmentCheck {
  public:

@@ -11,6 +11,7 @@
 
 #include "geometry/angles.hpp"
 #include "global/hypothesis.hpp"
+#include "odometry/kidnap_evidence.hpp"
 
 namespace scanlock {
 namespace {
@@ -129,10 +130,13 @@ void Relocalisation::relocalise_locally(std::int64_t utime, const PreparedScan& 
   // it.
   if (!there || !explains(*attempt, kJumpScore) || squared_gap(prior, attempt->alignment.moving) > kMostGap)
     return;
-  // At even odds, for the robot is lost. The motion from a prediction as wide as this one tells nothing.
-  const KidnapEvidence evidence = {0, contradiction(*last_trusted_, utime, scan, attempt->alignment.moving),
-                                   inlier_ratio_to_usual(attempt->health)};
-  looks_alike_ = looks_alike_ || kidnap_log_odds(evidence) > 0;
+  if (!looks_alike_) {
+    // At even odds, for the robot is lost. The motion from a prediction as wide as this one tells nothing.
+    KidnapEvidence evidence;
+    evidence.contradiction = contradiction(*last_trusted_, utime, scan, attempt->alignment.moving);
+    evidence.inlier_ratio = inlier_ratio_to_usual(attempt->health);
+    looks_alike_ = kidnap_log_odds(evidence) > 0;
+  }
   if (!looks_alike_ || nothing_found_)
     running_test_ =
         RunningTest{HypothesisTest::expected_at(renormalised(found * predicted.pose.inverse()), 1), {}};

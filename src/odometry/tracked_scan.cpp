@@ -5,9 +5,14 @@
 #include "geometry/angles.hpp"
 
 namespace scanlock {
+namespace {
+
+constexpr double kJumpMetres = 0.05, kJumpRadians = 0.5 * kDegree;
+
+}  // namespace
 
 bool is_jump(const Pose& from, const Pose& to) {
-  return !near(from, to, 0.05, 0.5 * kDegree);
+  return !near(from, to, kJumpMetres, kJumpRadians);
 }
 
 const char* to_string(TrackingState state) {

@@ -51,7 +51,7 @@ enum class ScanVerdict : std::int8_t {
 };
 const char* to_string(ScanVerdict verdict);
 
-/// Whether a correction from one pose to another begins a new epoch: one of more than 0.05 m or 0.5 degrees.
+/// Whether a loop closure that moves one pose to another begins a new epoch: beyond 0.05 m or 0.5 degrees.
 bool is_jump(const Pose& from, const Pose& to);
 
 /// The end of one attempt at relocalisation, or a loop closure, and its evidence.
@@ -60,7 +60,7 @@ struct Recovery {
   bool accepted = false;
   bool loop_closure = false;                   ///< a correction of the map, without a search
   std::string reason;                          ///< why, in words
-  std::uint32_t epoch = 0;                     ///< of the scan it is reported with; a jump begins it
+  std::uint32_t epoch = 0;                     ///< of the scan it is reported with; an acceptance begins it
   Pose map_from_body = Pose::Identity();       ///< at the scan it is reported with
   Pose map_from_predicted = Pose::Identity();  ///< correction of the poses before
   double energy_before = 1;                    ///< of the scan that was lost, 0 to 1

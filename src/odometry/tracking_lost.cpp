@@ -23,9 +23,8 @@ void Tracker::State::track_lost(const PreparedScan& scan, const ScanPrior& auxil
     return;
   }
   const bool found = outcome == Relocalisation::Outcome::kFound;
+  if (found) begin_epoch();
   const Pose predicted = relocalisation.lost_odometry().state().pose;
-  if (found) loose_since.reset();
-  if (found && is_jump(predicted, attempt.alignment.moving.pose)) begin_epoch();
   join(relocalisation.lost_odometry(), renormalised(attempt.alignment.moving.pose * predicted.inverse()),
        scan.median_range, &archive);
   if (relocalisation.is_elsewhere()) reload(attempt.alignment.moving.pose.translation());

@@ -29,19 +29,4 @@ TrustedScan trusted_scan(std::int64_t utime, const PreparedScan& scan, const Mov
 double contradiction(const TrustedScan& before, std::int64_t utime, const PreparedScan& scan,
                      const MovingPose& now);
 
-/// Evidence about a kidnap: the alignment of a scan explains it, but the robot may have been carried to
-/// another place that looks like the expected one.
-struct KidnapEvidence {
-  double squared_gap = 0;    ///< of the motion from the prediction, see squared_gap()
-  double contradiction = 0;  ///< of the last trusted scan, see contradiction()
-  double inlier_ratio = 1;   ///< over its running median
-};
-/// Log odds of a kidnap at even prior odds. A logistic model, fitted with the prior odds of AlignmentCheck to
-/// 137,949 scans without a kidnap (15 kinds of worlds of two simulators, with gaps of up to 1 s in the scans,
-/// and recordings of three planar sensors: 3.8 hours) and 196 after one: two of the former have positive log
-/// odds, and two of the latter negative ones.
-double kidnap_log_odds(const KidnapEvidence& evidence);
-/// The log odds with the contradiction that tells most.
-double most_kidnap_odds(KidnapEvidence evidence);
-
 }  // namespace scanlock
