@@ -88,19 +88,19 @@ std::vector<Beam> LidarModel::sweep(std::int64_t scan) const {
   switch (kind) {
     case LidarKind::kVlp16:
       append_rings(rings, -15, 15, 16);
-      return spin(rings, 1800, period_s);
+      return spin(rings, 1800 / column_step, period_s);
     case LidarKind::kHdl64:  // two blocks of 32 lasers, the lower block with coarser spacing
       append_rings(rings, -24.8, -8.83, 32);
       append_rings(rings, -8.33, 2, 32);
-      return spin(rings, 2000, period_s);
+      return spin(rings, 2000 / column_step, period_s);
     case LidarKind::kOs1_64:
       append_rings(rings, -22.5, 22.5, 64);
-      return spin(rings, 1024, period_s);
+      return spin(rings, 1024 / column_step, period_s);
     case LidarKind::kMid360:
       return rosette(scan, 20000, period_s);
     case LidarKind::kPlanar:
       append_rings(rings, 0, 0, 1);
-      return spin(rings, 360, period_s);
+      return spin(rings, 360 / column_step, period_s);
   }
   throw std::invalid_argument("unknown kind of lidar");
 }

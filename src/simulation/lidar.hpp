@@ -28,6 +28,7 @@ struct LidarModel {
   double noise = 0.02;     ///< standard deviation of a range
   double quantum = 0.002;  ///< ranges are integer multiples of it
   double dropout = 0.01;   ///< probability that a good return is lost at random
+  int column_step = 1;     ///< of a spinning sensor: only every so many-th column fires
 
   static LidarModel of(LidarKind kind);
 

@@ -39,9 +39,18 @@ SimulationConfig checked(const SimulationConfig& config) {
     throw std::invalid_argument("the noise must lie between 0 and 10 m");
   if (!(config.moved >= 0 && config.moved <= 1))
     throw std::invalid_argument("the share of moved objects must lie between 0 and 100 %");
+  if (config.column_step < 1 || config.column_step > 100)
+    throw std::invalid_argument("the step of the columns must lie between 1 and 100");
   if (config.threads < 1 || config.threads > 256)
     throw std::invalid_argument("threads must lie between 1 and 256");
   return config;
+}
+
+LidarModel lidar_of(const SimulationConfig& config) {
+  LidarModel lidar = LidarModel::of(config.lidar);
+  lidar.noise = config.noise_m.value_or(lidar.noise);
+  lidar.column_step = config.column_step;
+  return lidar;
 }
 
 World world_of(const SimulationConfig& config) {
@@ -92,13 +101,11 @@ struct Simulator::Moving {
 
 Simulator::Simulator(const SimulationConfig& config)
     : config_(checked(config)),
-      lidar_(LidarModel::of(config.lidar)),
+      lidar_(lidar_of(config)),
       world_(world_of(config)),
       seconds_(drive_seconds(config, world_, lidar_)),
       drive_(world_.route, world_.scene.terrain(), world_.style, config.events, seconds_, drive_seed(config)),
-      beams_(lidar_.sweep(0)) {
-  if (config_.noise_m) lidar_.noise = *config_.noise_m;
-}
+      beams_(lidar_.sweep(0)) {}
 
 std::int64_t Simulator::sweeps() const {
   return static_cast<std::int64_t>(std::floor(seconds_ / lidar_.period_s + 1e-6));

@@ -28,6 +28,7 @@ struct SimulationConfig {
   double speed_mps = 0;           ///< cruising speed; 0: that of the world
   double start_speed_mps = 0;     ///< at the start of the drive
   std::optional<double> noise_m;  ///< standard deviation of ranges; nothing: that of the sensor
+  int column_step = 1;            ///< see LidarModel
   bool motion_distortion = true;  ///< false: all points of a scan are measured at its stamp, with time 0
   bool stamp_at_end = false;      ///< scans are stamped at the end of the sweep instead of at its start
   int threads = 1;                ///< the result does not depend on it

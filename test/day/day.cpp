@@ -7,7 +7,6 @@
 // because a log of them would not fit on a disk. Prints one line per hour, as JSON: see tools/results.
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <numeric>
@@ -17,7 +16,6 @@
 #include "daemon/statistics.hpp"
 #include "evaluation/metrics.hpp"
 #include "geometry/moved_cloud.hpp"
-#include "geometry/voxel_grid.hpp"
 #include "global/cpu_clock.hpp"
 #include "mapping/cloud_map.hpp"
 #include "mapping/mapper.hpp"
@@ -32,16 +30,6 @@ constexpr double kHour_s = 3600, kCarriedEach_s = 1800, kSpeed_mps = 1.2;
 constexpr double kAligned_s = 1200;
 // Largest position error of a correct recovery; beyond it a recovery counts as wrong.
 constexpr double kBack_m = 1;
-
-/// Every fourth column of a VLP-16 that fires 1,800 of them in a turn of a tenth of a second.
-Scan thinned(const Scan& scan) {
-  std::vector<std::uint32_t> kept;
-  for (std::uint32_t i = 0; i < scan.points.size(); ++i)
-    if (std::lround(18000 * scan.points.time[i]) % 4 == 0) kept.push_back(i);
-  Scan few = scan;
-  few.points = select(scan.points, kept);
-  return few;
-}
 
 /// The measurements of one hour.
 struct Hour {
@@ -70,6 +58,7 @@ void report(int hour, const Hour& seen, const Pose& world_from_map, const Mapper
 /// The ring as a bare cloud like that of a survey, in the frame of the world: every fifth scan of one lap.
 SavedMap surveyed(SimulationConfig config) {
   config.lidar = LidarKind::kOs1_64;
+  config.column_step = 1;
   config.seconds.reset();
   config.laps = 1;
   config.drive_seed = config.seed + 1000;
@@ -87,6 +76,7 @@ void day(WorldKind world, LidarKind lidar, int hours, unsigned seed, bool bare) 
   config.world = world;
   config.lidar = lidar;
   config.seed = seed;
+  if (lidar == LidarKind::kVlp16) config.column_step = 4;  // 450 points a ring
   if (world == WorldKind::kIndoor) config.speed_mps = kSpeed_mps;
   Mapper mapper{TrackerConfig()};
   if (bare) mapper.load(surveyed(config), true);
@@ -115,9 +105,8 @@ void day(WorldKind world, LidarKind lidar, int hours, unsigned seed, bool bare) 
       report(hour++, seen, world_from_map, mapper);
       seen = Hour();
     }
-    const Scan few = lidar == LidarKind::kVlp16 ? thinned(scan->scan) : scan->scan;
     CpuClock cpu;
-    const TrackedScan tracked = mapper.track(few);
+    const TrackedScan tracked = mapper.track(scan->scan);
     seen.ms.push_back(cpu.lap());
     if (auto request = mapper.take_request()) mapper.give(worker.work(*request));
     seen.search_ms += cpu.lap();

@@ -194,6 +194,19 @@ TEST_CASE("simulator - every lidar in every world sees something, finite and wit
     }
 }
 
+TEST_CASE("simulator - a step of columns keeps every so many-th one, at its time") {
+  LidarModel vlp16 = LidarModel::of(LidarKind::kVlp16);
+  const std::vector<Beam> all = vlp16.sweep(0);
+  vlp16.column_step = 4;
+  const std::vector<Beam> few = vlp16.sweep(0);
+  REQUIRE(4 * few.size() == all.size());
+  for (std::size_t i = 0; i < few.size(); ++i) {
+    const Beam& same = all[i / 16 * 64 + i % 16];
+    CHECK(few[i].time == same.time);
+    CHECK(few[i].direction == same.direction);
+  }
+}
+
 TEST_CASE("simulator - the rosette leaves no gap, and the next scan is no rotated copy") {
   const LidarModel mid360 = LidarModel::of(LidarKind::kMid360);
   // The azimuths, degrees, at which its scan lines cross the elevation of 20 degrees.
@@ -290,6 +303,9 @@ TEST_CASE("simulator - an invalid configuration is refused") {
   CHECK_THROWS_AS(Simulator{config}, std::invalid_argument);
   config.seconds = 10;
   config.noise_m = -1.0;
+  CHECK_THROWS_AS(Simulator{config}, std::invalid_argument);
+  config.noise_m = 0.02;
+  config.column_step = 0;
   CHECK_THROWS_AS(Simulator{config}, std::invalid_argument);
   CHECK_THROWS_AS(parse_world("moon"), std::invalid_argument);
   CHECK_THROWS_AS(parse_lidar("vlp32"), std::invalid_argument);
