@@ -116,18 +116,13 @@ void learn_usual(const ClosureRequest& request, Odometer* odometer) {
   if (explains(attempt, std::numeric_limits<double>::infinity())) odometer->accept(attempt);
 }
 
-bool agree(const PoseGraph& earlier_visit, const PoseGraph& this_visit, const Constraint& a,
+bool agree(const RelativePose& earlier_visit, const RelativePose& this_visit, const Constraint& a,
            const Constraint& b) {
-  const auto between = [](const PoseGraph& graph, std::uint32_t from, std::uint32_t to) -> Pose {
-    return graph.nodes().at(from).inverse() * graph.nodes().at(to);
-  };
-  const Pose a_from_b = between(this_visit, a.to, b.to);
-  const Pose from_a_from_b = between(earlier_visit, a.from, b.from);
-  const Vector6 apart = se3_log(b.from_to.inverse() * from_a_from_b.inverse() * a.from_to * a_from_b);
+  const Pose& a_from_b = this_visit.from_to;
+  const Vector6 apart = se3_log(b.from_to.inverse() * earlier_visit.from_to.inverse() * a.from_to * a_from_b);
   const Matrix6 recent = adjoint(a_from_b.inverse()), earlier = adjoint(b.from_to.inverse());
   const Matrix6 covariance = recent * inverse(a.information) * recent.transpose() + inverse(b.information) +
-                             this_visit.covariance(a.to, b.to) +
-                             earlier * earlier_visit.covariance(a.from, b.from) * earlier.transpose();
+                             this_visit.covariance + earlier * earlier_visit.covariance * earlier.transpose();
   return apart.dot(inverse(covariance) * apart) < kOnceInThousand;
 }
 
@@ -143,8 +138,14 @@ ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& con
   answer.keyframe = request.keyframe.id;
   answer.nearest = request.nearest;
   answer.nearest_keyframe = request.nearest_keyframe;
-  answer.covariance = request.graph.covariance(request.nearest, request.keyframe.id);
-  if (!request.pending && !is_worthwhile(answer.covariance, request.usual_information)) {
+  const std::optional<Constraint>& before = request.pending;
+  const bool there = before && request.graph.contains(before->from) && request.graph.contains(before->to);
+  const PoseGraph::Pair ends{request.nearest, request.keyframe.id};
+  std::vector<PoseGraph::Pair> pairs{ends};
+  if (there) pairs.insert(pairs.end(), {{before->from, ends.first}, {before->to, ends.second}});
+  const std::vector<RelativePose> known = request.graph.relative(pairs);
+  answer.covariance = known.front().covariance;
+  if (!before && !is_worthwhile(answer.covariance, request.usual_information)) {
     answer.outcome = ClosureOutcome::kKnown;
     return answer;
   }
@@ -153,17 +154,16 @@ ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& con
   if (!found) return answer;
   const Constraint& closure = answer.closure = found->constraint;
   answer.outcome = ClosureOutcome::kPending;
-  const std::optional<Constraint>& before = request.pending;
-  const bool there = before && request.graph.contains(before->from) && request.graph.contains(before->to);
-  if (!there || !agree(request.graph, request.graph, *before, closure)) return answer;
+  if (!there || !agree(known[1], known[2], *before, closure)) return answer;
   answer.outcome = ClosureOutcome::kAccepted;
   PoseGraph graph = request.graph;
   graph.connect(*before);
   graph.connect(closure);
   graph.optimise();
   answer.map_from_node = graph.nodes();
-  answer.covariance = graph.covariance(request.nearest, request.keyframe.id);
-  answer.drift = graph.covariance(kOriginNode, request.keyframe.id);
+  const std::vector<RelativePose> after = graph.relative({ends, {kOriginNode, ends.second}});
+  answer.covariance = after[0].covariance;
+  answer.drift = after[1].covariance;
   return answer;
 }
 

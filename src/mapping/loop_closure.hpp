@@ -88,8 +88,9 @@ std::optional<FoundClosure> find_closure(const ClosureRequest& request, const Po
 /// statistics.
 void learn_usual(const ClosureRequest& request, Odometer* odometer);
 /// Whether two closures agree on the relative pose of the two visits, within the covariances of both closures
-/// and of the paths between their ends: squared Mahalanobis distance below kOnceInThousand.
-bool agree(const PoseGraph& earlier_visit, const PoseGraph& this_visit, const Constraint& a,
+/// and of the paths between their ends: squared Mahalanobis distance below kOnceInThousand. `earlier_visit`
+/// is the pose of b.from in a.from, `this_visit` that of b.to in a.to.
+bool agree(const RelativePose& earlier_visit, const RelativePose& this_visit, const Constraint& a,
            const Constraint& b);
 
 /// Whether along some direction the variance is at least twice that of a closure with the usual information.

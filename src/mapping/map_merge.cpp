@@ -182,9 +182,17 @@ class Merger {
     std::vector<JoinResult> most, rest;
     for (const JoinResult& find : finds) {
       std::vector<JoinResult> agreeing = {find}, others;
+      std::vector<PoseGraph::Pair> pairs_there, pairs_here;
       for (const JoinResult& other : finds) {
+        pairs_there.emplace_back(other.closure.from, find.closure.from);
+        pairs_here.emplace_back(other.closure.to, find.closure.to);
+      }
+      const std::vector<RelativePose> there = there_.submap.graph.relative(pairs_there),
+                                      here = here_.submap.graph.relative(pairs_here);
+      for (std::size_t i = 0; i < finds.size(); ++i) {
+        const JoinResult& other = finds[i];
         if (&other == &find) continue;
-        const bool agrees = agree(there_.submap.graph, here_.submap.graph, other.closure, find.closure);
+        const bool agrees = agree(there[i], here[i], other.closure, find.closure);
         const bool counted = std::any_of(agreeing.begin(), agreeing.end(), [&](const JoinResult& f) {
           return f.closure.to == other.closure.to;
         });

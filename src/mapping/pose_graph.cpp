@@ -304,15 +304,38 @@ PoseGraph::Change PoseGraph::optimise() {
   return change;
 }
 
-Matrix6 PoseGraph::covariance(std::uint32_t from, std::uint32_t to) const {
+std::vector<RelativePose> PoseGraph::relative(const std::vector<Pair>& pairs) const {
   System system(nodes_, constraints_);
-  system.linearise(kLoopScale, system.place(from));
+  system.linearise(kLoopScale, system.place(pairs.front().first));
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(system.hessian);
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(system.gradient.size(), 6);
-  const auto at = 6 * system.place(to);
-  columns.block<6, 6>(at, 0).setIdentity();
-  const Matrix6 covariance = Eigen::MatrixXd(solver.solve(columns)).block<6, 6>(at, 0);
-  return 0.5 * (covariance + covariance.transpose());
+  // The joint covariance of the nodes of all pairs.
+  std::map<std::uint32_t, Eigen::Index> nodes;
+  for (const auto& [from, to] : pairs) nodes[from] = nodes[to] = 0;
+  Eigen::Index count = 0;
+  for (auto& [node, at] : nodes) at = 6 * count++;
+  Eigen::MatrixXd joint(6 * count, 6 * count), unit = Eigen::MatrixXd::Zero(system.gradient.size(), 6);
+  for (const auto& [node, column] : nodes) {
+    unit.block<6, 6>(6 * system.place(node), 0).setIdentity();
+    const Eigen::MatrixXd solution = solver.solve(unit);
+    unit.block<6, 6>(6 * system.place(node), 0).setZero();
+    for (const auto& [other, row] : nodes)
+      joint.block<6, 6>(row, column) = solution.block<6, 6>(6 * system.place(other), 0);
+  }
+  std::vector<RelativePose> result;
+  for (const auto& [from, to] : pairs) {
+    RelativePose& relative = result.emplace_back();
+    relative.from_to = nodes_.at(from).inverse() * nodes_.at(to);
+    // (F exp(f))^-1 T exp(t) = F^-1 T exp(t - Ad(T^-1 F) f)
+    Eigen::Matrix<double, 6, 12> by_both;
+    by_both << -adjoint(relative.from_to.inverse()), Matrix6::Identity();
+    const Eigen::Index f = nodes.at(from), t = nodes.at(to);
+    Eigen::Matrix<double, 12, 12> both;
+    both << joint.block<6, 6>(f, f), joint.block<6, 6>(f, t), joint.block<6, 6>(t, f),
+        joint.block<6, 6>(t, t);
+    const Matrix6 covariance = by_both * both * by_both.transpose();
+    relative.covariance = 0.5 * (covariance + covariance.transpose());
+  }
+  return result;
 }
 
 std::optional<Constraint> PoseGraph::way(std::uint32_t from, std::uint32_t to, int most) const {

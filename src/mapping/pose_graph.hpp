@@ -18,6 +18,12 @@ Constraint reversed(const Constraint& constraint);
 /// The relative pose of c in a, from those of b in a and of c in b, with independent errors.
 Constraint chained(const Constraint& ab, const Constraint& bc);
 
+/// A pose in the frame of another one, and its covariance: right perturbation, [metres; radians].
+struct RelativePose {
+  Pose from_to = Pose::Identity();
+  Matrix6 covariance = Matrix6::Zero();
+};
+
 /// The error of a constraint, and its derivatives by right perturbations d: from * exp(d) and to * exp(d).
 struct ConstraintError {
   Vector6 error = Vector6::Zero();  ///< log(from_to^-1 from^-1 to)
@@ -60,9 +66,15 @@ class PoseGraph {
   /// the optimised nodes; poses of nodes removed since then are ignored.
   void move(const std::map<std::uint32_t, Pose>& map_from_node);
 
-  /// The covariance of the pose of `to` in the frame of `from`, right perturbation, [metres; radians]. A
-  /// variance is (10 km)^2 where no constraints connect the two nodes.
-  Matrix6 covariance(std::uint32_t from, std::uint32_t to) const;
+  /// A pair of nodes.
+  using Pair = std::pair<std::uint32_t, std::uint32_t>;
+  /// The relative poses of pairs of nodes, the first to the second, from one factorisation. A variance is
+  /// (10 km)^2 where no constraints connect the two nodes. Rounding is least for nodes near the first one.
+  std::vector<RelativePose> relative(const std::vector<Pair>& pairs) const;
+  /// The covariance of one of these.
+  Matrix6 covariance(std::uint32_t from, std::uint32_t to) const {
+    return relative({{from, to}}).front().covariance;
+  }
   /// A path of at most `most` odometry constraints from one node to another, chained: an upper bound of the
   /// graph's covariance that needs no solution of the graph. Nothing where there is no such path.
   std::optional<Constraint> way(std::uint32_t from, std::uint32_t to, int most) const;

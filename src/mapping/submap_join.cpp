@@ -66,7 +66,9 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
     const bool there = submap.graph.contains(earlier.from) && request.active.graph.contains(earlier.to) &&
                        submap_of(find.nearest_keyframe, request.others) == other;
     if (!there || (place(earlier.to) - place(found.to)).norm() < kSameSpot * reach) continue;
-    if (!agree(submap.graph, request.active.graph, earlier, found)) continue;
+    const RelativePose earlier_visit = submap.graph.relative({{earlier.from, found.from}}).front();
+    const RelativePose this_visit = request.active.graph.relative({{earlier.to, found.to}}).front();
+    if (!agree(earlier_visit, this_visit, earlier, found)) continue;
     answer.agreeing.push_back(earlier);
     log_odds.push_back(find.log_odds);
   }
@@ -83,8 +85,9 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
   graph.connect(found);
   graph.optimise();
   answer.closure.map_from_node = graph.nodes();
-  answer.closure.covariance = graph.covariance(found.from, found.to);
-  answer.closure.drift = graph.covariance(kOriginNode, found.to);
+  const std::vector<RelativePose> after = graph.relative({{found.from, found.to}, {kOriginNode, found.to}});
+  answer.closure.covariance = after[0].covariance;
+  answer.closure.drift = after[1].covariance;
   return answer;
 }
 

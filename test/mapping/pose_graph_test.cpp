@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <random>
+#include <tuple>
 #include <vector>
 
 namespace scanlock {
@@ -218,6 +219,13 @@ TEST_CASE("a covariance is that of the chained constraints, and an equal loop cl
   const Matrix6 back = adjoint(truth[29].inverse() * truth[0]);
   CHECK((back * graph.covariance(29, 0) * back.transpose() - graph.covariance(0, 29)).norm() <
         1e-4 * open.norm());
+  // Several at once: the same as each by itself.
+  const std::vector<RelativePose> many = graph.relative({{0, 29}, {12, 17}, {21, 20}});
+  for (const auto& [k, from, to] : {std::tuple{1U, 12U, 17U}, {2U, 21U, 20U}}) {
+    const Matrix6 alone = graph.covariance(from, to);
+    CHECK((many[k].covariance - alone).norm() < 1e-6 * alone.norm());
+    CHECK((many[k].from_to.matrix() - (truth[from].inverse() * truth[to]).matrix()).norm() < 1e-12);
+  }
   graph.add(77, Pose::Identity());
   CHECK(graph.covariance(0, 77).diagonal().minCoeff() > 1e6);
 }
