@@ -26,15 +26,18 @@ double squared_error(const Constraint& constraint, const Vector6& error) {
   return error.dot(constraint.information * error);
 }
 
-/// The linear system. The place of a node is its position in the order of ids.
+using Sparse = Eigen::SparseMatrix<double>;
+/// Without an order of its own: System orders the nodes, of which there are six times fewer than unknowns.
+using Solver = Eigen::SimplicialLDLT<Sparse, Eigen::Upper, Eigen::NaturalOrdering<int>>;
+
+/// The linear system. The place of a node is its position in the order of elimination.
 class System {
  public:
   System(const std::map<std::uint32_t, Pose>& nodes, const std::vector<Constraint>& constraints)
       : constraints_(constraints) {
-    for (const auto& [node, pose] : nodes) {
-      places_.emplace(node, static_cast<Eigen::Index>(poses.size()));
-      poses.push_back(pose);
-    }
+    order(nodes);
+    poses.resize(nodes.size());
+    for (const auto& [node, pose] : nodes) poses[static_cast<std::size_t>(place(node))] = pose;
     for (const Constraint& c : constraints) ends_.emplace_back(place(c.from), place(c.to));
     lay_out();
   }
@@ -67,12 +70,12 @@ class System {
       const Matrix6 by_from = weight * c.information * e.by_from, by_to = weight * c.information * e.by_to;
       gradient.segment<6>(6 * from) += by_from.transpose() * e.error;
       gradient.segment<6>(6 * to) += by_to.transpose() * e.error;
-      add_lower(from, from, e.by_from.transpose() * by_from);
-      add_lower(to, to, e.by_to.transpose() * by_to);
-      if (from > to)
-        add_lower(from, to, e.by_from.transpose() * by_to);
+      add_upper(from, from, e.by_from.transpose() * by_from);
+      add_upper(to, to, e.by_to.transpose() * by_to);
+      if (from < to)
+        add_upper(from, to, e.by_from.transpose() * by_to);
       else
-        add_lower(to, from, e.by_to.transpose() * by_from);
+        add_upper(to, from, e.by_to.transpose() * by_from);
     }
   }
 
@@ -86,14 +89,14 @@ class System {
 
   /// Takes one step that lowers the energy, damped as much as that needs. Returns its largest component; 0
   /// where no step does.
-  double descend(double nu) {
-    linearise(nu, 0);
+  double descend(double nu, Eigen::Index fixed) {
+    linearise(nu, fixed);
     if (!analysed_) solver_.analyzePattern(hessian);
     analysed_ = true;
     const double before = energy(nu);
     for (double damping = 0; damping < 1e9; damping = std::max(10 * damping, 1e-4)) {
       if (damping > 0) {
-        Eigen::SparseMatrix<double> damped = hessian;
+        Sparse damped = hessian;
         damped.diagonal() *= 1 + damping;
         solver_.factorize(damped);
       } else {
@@ -121,7 +124,7 @@ class System {
   }
 
   std::vector<Pose> poses;
-  Eigen::SparseMatrix<double> hessian;  // its lower triangle
+  Sparse hessian;  // its upper triangle
   Eigen::VectorXd gradient;
 
  private:
@@ -130,35 +133,60 @@ class System {
     return se3_log(constraints_[i].from_to.inverse() * pose(from).inverse() * pose(to));
   }
 
-  /// Lays out the entries of the lower triangle once; their places stay the same.
-  void lay_out() {
-    const auto n = static_cast<Eigen::Index>(6 * poses.size());
+  /// The places: an order of the nodes in which few entries of the factor are not zero.
+  void order(const std::map<std::uint32_t, Pose>& nodes) {
+    for (const auto& [node, pose] : nodes) places_.emplace(node, static_cast<Eigen::Index>(places_.size()));
+    const auto n = static_cast<Eigen::Index>(nodes.size());
     std::vector<Eigen::Triplet<double>> entries;
-    const auto block = [&](Eigen::Index row, Eigen::Index column) {
-      for (int j = 0; j < 6; ++j) {
-        for (int i = row == column ? j : 0; i < 6; ++i)
-          entries.emplace_back(6 * row + i, 6 * column + j, 0.0);
-      }
-    };
-    for (Eigen::Index i = 0; i < n / 6; ++i) block(i, i);
-    for (const auto& [from, to] : ends_) block(std::max(from, to), std::min(from, to));
-    hessian.resize(n, n);
-    hessian.setFromTriplets(entries.begin(), entries.end());
+    for (Eigen::Index i = 0; i < n; ++i) entries.emplace_back(i, i, 1.0);  // else AMD takes i for dense
+    for (const Constraint& c : constraints_) {
+      entries.emplace_back(place(c.from), place(c.to), 1.0);
+      entries.emplace_back(place(c.to), place(c.from), 1.0);
+    }
+    Sparse neighbours(n, n);
+    neighbours.setFromTriplets(entries.begin(), entries.end());
+    Eigen::AMDOrdering<int>::PermutationType earlier;
+    Eigen::AMDOrdering<int>()(neighbours, earlier);
+    const Eigen::AMDOrdering<int>::PermutationType later = earlier.inverse();
+    for (auto& [node, place] : places_) place = later.indices()[place];
   }
 
-  void add_lower(Eigen::Index row, Eigen::Index column, const Matrix6& block) {
+  /// Lays out the entries of the upper triangle once; their places stay the same.
+  void lay_out() {
+    std::vector<std::pair<Eigen::Index, Eigen::Index>> blocks;  // column, row
+    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(poses.size()); ++i) blocks.emplace_back(i, i);
+    for (const auto& [from, to] : ends_) blocks.emplace_back(std::max(from, to), std::min(from, to));
+    std::sort(blocks.begin(), blocks.end());
+    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+    const auto n = static_cast<Eigen::Index>(6 * poses.size());
+    hessian.resize(n, n);
+    hessian.reserve(static_cast<Eigen::Index>(36 * blocks.size()));
+    for (auto column = blocks.begin(); column != blocks.end();) {
+      const auto end =
+          std::find_if(column, blocks.end(), [&](const auto& b) { return b.first != column->first; });
+      for (int j = 0; j < 6; ++j) {
+        hessian.startVec(6 * column->first + j);
+        for (auto b = column; b != end; ++b) {
+          for (int i = 0; i <= (b->second == b->first ? j : 5); ++i)
+            hessian.insertBack(6 * b->second + i, 6 * b->first + j) = 0;
+        }
+      }
+      column = end;
+    }
+    hessian.finalize();
+  }
+
+  void add_upper(Eigen::Index row, Eigen::Index column, const Matrix6& block) {
     for (int j = 0; j < 6; ++j) {
-      const int first = row == column ? j : 0;
-      // Contiguous, see lay_out().
-      double* const entries = &hessian.coeffRef(6 * row + first, 6 * column + j);
-      for (int i = first; i < 6; ++i) entries[i - first] += block(i, j);
+      double* const entries = &hessian.coeffRef(6 * row, 6 * column + j);  // contiguous, see lay_out()
+      for (int i = 0; i <= (row == column ? j : 5); ++i) entries[i] += block(i, j);
     }
   }
 
   const std::vector<Constraint>& constraints_;
   std::map<std::uint32_t, Eigen::Index> places_;
   std::vector<std::pair<Eigen::Index, Eigen::Index>> ends_;  // places of each constraint's nodes
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  Solver solver_;
   bool analysed_ = false;
 };
 
@@ -285,11 +313,12 @@ PoseGraph::Change PoseGraph::optimise() {
   Change change;
   if (nodes_.empty()) return change;
   System system(nodes_, constraints_);
+  const Eigen::Index first = system.place(nodes_.begin()->first);
   double nu = std::max(3.0 * system.median_loop_error(), kLoopScale);
   while (true) {
     const bool last = nu <= kLoopScale;
     for (int step = 0; step < (last ? kMostSteps : kUpperSteps); ++step) {
-      if (system.descend(nu) <= kSettled) break;
+      if (system.descend(nu, first) <= kSettled) break;
     }
     if (last) break;
     nu = std::max(0.5 * nu, kLoopScale);
@@ -307,7 +336,7 @@ PoseGraph::Change PoseGraph::optimise() {
 std::vector<RelativePose> PoseGraph::relative(const std::vector<Pair>& pairs) const {
   System system(nodes_, constraints_);
   system.linearise(kLoopScale, system.place(pairs.front().first));
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(system.hessian);
+  const Solver solver(system.hessian);
   // The joint covariance of the nodes of all pairs.
   std::map<std::uint32_t, Eigen::Index> nodes;
   for (const auto& [from, to] : pairs) nodes[from] = nodes[to] = 0;
