@@ -52,6 +52,15 @@ Attempt align(const ClosureRequest& request, const std::vector<ArchivedKeyframe>
   return odometer.look_far(prepared(request), at_rest(expected, covariance));
 }
 
+std::vector<Revisit> with_covariances(std::vector<Revisit> revisits, const PoseGraph& graph) {
+  if (revisits.empty()) return revisits;
+  std::vector<PoseGraph::Pair> pairs;
+  for (const Revisit& revisit : revisits) pairs.emplace_back(revisit.nearest, revisit.keyframe);
+  const std::vector<RelativePose> known = graph.relative(pairs);
+  for (std::size_t i = 0; i < revisits.size(); ++i) revisits[i].covariance = known[i].covariance;
+  return revisits;
+}
+
 }  // namespace
 
 std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position, double reach,
@@ -140,17 +149,18 @@ ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& con
   answer.nearest_keyframe = request.nearest_keyframe;
   const std::optional<Constraint>& before = request.pending;
   const bool there = before && request.graph.contains(before->from) && request.graph.contains(before->to);
-  const PoseGraph::Pair ends{request.nearest, request.keyframe.id};
-  std::vector<PoseGraph::Pair> pairs{ends};
+  std::vector<PoseGraph::Pair> pairs{{request.nearest, request.keyframe.id}};
+  const PoseGraph::Pair ends = pairs.front();
   if (there) pairs.insert(pairs.end(), {{before->from, ends.first}, {before->to, ends.second}});
   const std::vector<RelativePose> known = request.graph.relative(pairs);
-  answer.covariance = known.front().covariance;
-  if (!before && !is_worthwhile(answer.covariance, request.usual_information)) {
+  const Matrix6& covariance = known.front().covariance;
+  if (!before && !is_worthwhile(covariance, request.usual_information)) {
     answer.outcome = ClosureOutcome::kKnown;
+    answer.revisits = with_covariances(request.revisits, request.graph);
     return answer;
   }
   const std::optional<FoundClosure> found =
-      find_closure(request, request.keyframe.map_from_body, answer.covariance, config, &answer.reason);
+      find_closure(request, request.keyframe.map_from_body, covariance, config, &answer.reason);
   if (!found) return answer;
   const Constraint& closure = answer.closure = found->constraint;
   answer.outcome = ClosureOutcome::kPending;
@@ -161,9 +171,8 @@ ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& con
   graph.connect(closure);
   graph.optimise();
   answer.map_from_node = graph.nodes();
-  const std::vector<RelativePose> after = graph.relative({ends, {kOriginNode, ends.second}});
-  answer.covariance = after[0].covariance;
-  answer.drift = after[1].covariance;
+  answer.revisits = with_covariances(request.revisits, graph);
+  answer.drift = graph.covariance(kOriginNode, ends.second);
   return answer;
 }
 

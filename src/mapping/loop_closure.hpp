@@ -24,15 +24,24 @@ std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position, double
                                          const std::vector<ArchivedKeyframe>& keyframes,
                                          const std::function<bool(const ArchivedKeyframe&)>& is_wanted);
 
+/// A keyframe, and the nearest keyframe of an earlier visit.
+struct Revisit {
+  std::uint32_t keyframe = 0;
+  std::uint32_t nearest = 0;           ///< its node: that keyframe, or kOriginNode where it is fixed
+  std::uint32_t nearest_keyframe = 0;  ///< its id, also where it is fixed
+  /// Of the keyframe's pose in the frame of `nearest`.
+  Matrix6 covariance = Matrix6::Zero();
+};
+
 /// A keyframe to be aligned with keyframes of an earlier visit, and the graph to be optimised with the
 /// closure. A value: another thread can work on it while the tracker goes on.
 struct ClosureRequest {
   std::int64_t serial = 0;
   PoseGraph graph;
   ArchivedKeyframe keyframe;
-  /// Node of the earlier visit: a keyframe, or kOriginNode where that keyframe is fixed.
-  std::uint32_t nearest = 0;
-  std::uint32_t nearest_keyframe = 0;        ///< id of that keyframe, also where it is fixed
+  std::uint32_t nearest = 0, nearest_keyframe = 0;  ///< see Revisit
+  /// Keyframes of this visit whose covariances are wanted, `keyframe` among them.
+  std::vector<Revisit> revisits;
   Pose own_from_nearest = Pose::Identity();  ///< own: the frame of the keyframes below
   std::vector<ArchivedKeyframe> earlier;     ///< keyframes of the earlier visit around it
   std::vector<ArchivedKeyframe> recent;      ///< keyframes of this visit around it, without itself
@@ -57,10 +66,10 @@ struct ClosureAnswer {
   ClosureOutcome outcome = ClosureOutcome::kRefused;
   std::string reason;     ///< in words
   std::string map_fault;  ///< see TrackedScan; where there is one the outcome is kRefused
-  /// Of the keyframe's pose in the frame of `nearest`; after optimisation with the closure where it is
-  /// accepted.
-  Matrix6 covariance = Matrix6::Zero();
-  Constraint closure;  ///< from `nearest` to the keyframe; only of kPending and kAccepted
+  Constraint closure;     ///< from `nearest` to the keyframe; only of kPending and kAccepted
+  /// As in the request, with their covariances; only of kKnown and kAccepted, then after optimisation with
+  /// the closure.
+  std::vector<Revisit> revisits;
   // Only of kAccepted:
   std::map<std::uint32_t, Pose> map_from_node;
   Matrix6 drift = Matrix6::Zero();  ///< covariance of the keyframe's pose in the map's frame

@@ -33,6 +33,8 @@ void Mapper::follow_archive() {
     if (k.id >= known_) connect_odometry(k);
   }
   known_ = keyframes.back().id + 1;
+  unnamed_[keyframes.back().id] = tracker_.local_map_utime();
+  if (unnamed_.size() > 2 * kTrail) unnamed_.erase(unnamed_.begin());
   drop_evicted();
   drop_redundant();
 }
@@ -127,8 +129,6 @@ void Mapper::drop_redundant(std::uint32_t id, const Revisit& revisit) {
     at.nearest_keyframe = kept_keyframe;
     at.covariance += revisit.covariance;
   }
-  if (last_revisit_ && (last_revisit_->keyframe == gone || last_revisit_->nearest == gone))
-    last_revisit_.reset();
   if (pending_ && (pending_->from == gone || pending_->to == gone)) pending_.reset();
 }
 

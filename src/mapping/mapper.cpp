@@ -20,7 +20,6 @@ TrackedScan Mapper::track(const Scan& scan, const ScanPrior& prior) {
   if (history_ && !active_.graph.nodes().empty()) tracked.stamp = stamp();
   if (found) {
     pending_.reset();
-    last_revisit_.reset();
     const ArchivedKeyframe& nearest = tracker_.archive().nearest(tracker_.own_from_body().translation());
     if (tracker_.archive().is_fixed(nearest.id))
       tracker_.set_drift(Matrix6::Zero());

@@ -62,12 +62,6 @@ class Mapper {
   std::size_t other_submaps() const { return others_.size(); }
 
  private:
-  /// A keyframe whose pose relative to a node of an earlier visit is known with this covariance.
-  struct Revisit {
-    std::uint32_t keyframe = 0, nearest = 0;
-    std::uint32_t nearest_keyframe = 0;  ///< the keyframe's id, also where `nearest` is kOriginNode
-    Matrix6 covariance = Matrix6::Zero();
-  };
   static constexpr auto kTrail =
       static_cast<std::uint32_t>(1 / kPlaceSpacing);  ///< keyframes along a path of one reach
   /// Information: before the first closure every closure is worth its cost.
@@ -86,8 +80,8 @@ class Mapper {
   std::optional<ClosureRequest> closure_request();
   ClosureRequest request_around(const ArchivedKeyframe& keyframe) const;
   std::optional<JoinRequest> join_request();
-  bool is_known(Revisit revisit);
-  void note_revisit(const Revisit& revisit);
+  std::vector<Revisit> new_revisits() const;
+  void note_revisits(const std::vector<Revisit>& revisits);
   void take_closure(const ClosureAnswer& answer);
   void take_join(const JoinAnswer& answer);
   void bend(const ClosureAnswer& answer, const Pose& own_from_fixed);
@@ -111,10 +105,11 @@ class Mapper {
   bool out_ = false;
   /// The last keyframe that was considered for a closure, and for which one was requested.
   std::uint32_t considered_ = 0, asked_ = 0;
-  std::uint32_t pending_keyframe_ = 0;  ///< nearest keyframe of the earlier visit
-  std::optional<Constraint> pending_;   ///< the last closure, until the next one agrees
+  /// The last keyframes that no answer has named as revisits, each with the stamp of the oldest keyframe of
+  /// its visit.
+  std::map<std::uint32_t, std::int64_t> unnamed_;
+  std::optional<Constraint> pending_;  ///< the last closure, until the next one agrees
   Matrix6 usual_information_ = kAnyClosure * Matrix6::Identity();  ///< of the last closure
-  std::optional<Revisit> last_revisit_;
   std::map<std::uint32_t, Revisit> revisits_;  ///< by keyframe, until drop_redundant() has decided
   /// A correction, or the result of a search of other submaps, that is published with the next scan.
   std::optional<Recovery> correction_;

@@ -8,12 +8,6 @@
 #include "mapping/mapper.hpp"
 
 namespace scanlock {
-namespace {
-
-// Constraints on a path between two keyframes.
-constexpr int kFewSteps = 4;
-
-}  // namespace
 
 /// A request for the newest keyframe, where keyframes of an earlier visit are within a reach.
 std::optional<ClosureRequest> Mapper::closure_request() {
@@ -24,16 +18,17 @@ std::optional<ClosureRequest> Mapper::closure_request() {
   considered_ = newest.id;
   ClosureRequest request = request_around(newest);
   if (request.earlier.empty() || request.recent.empty()) return std::nullopt;
-  const ArchivedKeyframe& nearest = request.earlier.front();
-  const bool fixed = tracker_.archive().is_fixed(nearest.id);
-  request.nearest = fixed ? kOriginNode : nearest.id;
-  request.own_from_nearest = fixed ? Pose(tracker_.map_from_own().inverse()) : nearest.map_from_body;
-  request.nearest_keyframe = nearest.id;
-  if (is_known({newest.id, request.nearest, nearest.id})) return std::nullopt;
   // Keyframes within a reach see the same surfaces: their closures share errors, and a second one adds
   // little.
   if (!pending_ && newest.id < asked_ + kTrail) return std::nullopt;
+  request.revisits = new_revisits();
+  if (request.revisits.empty() || request.revisits.back().keyframe != newest.id) return std::nullopt;
   asked_ = newest.id;
+  const ArchivedKeyframe& nearest = request.earlier.front();
+  request.nearest = request.revisits.back().nearest;
+  request.nearest_keyframe = nearest.id;
+  request.own_from_nearest =
+      request.nearest == kOriginNode ? Pose(tracker_.map_from_own().inverse()) : nearest.map_from_body;
   request.serial = ++serial_;
   request.graph = active_.graph;
   request.pending = pending_;
@@ -61,27 +56,30 @@ ClosureRequest Mapper::request_around(const ArchivedKeyframe& keyframe) const {
   return request;
 }
 
-/// Whether a closure would add little: the covariance of the last revisit, and those of the odometry paths
-/// from it to both keyframes, bound the relative pose well enough. Notes the revisit.
-bool Mapper::is_known(Revisit revisit) {
-  if (pending_ || !last_revisit_) return false;
-  const std::optional<Constraint> earlier =
-                                      active_.graph.way(revisit.nearest, last_revisit_->nearest, kFewSteps),
-                                  recent =
-                                      active_.graph.way(last_revisit_->keyframe, revisit.keyframe, kFewSteps);
-  if (!earlier || !recent) return false;
-  Constraint between;
-  between.from_to = earlier->from_to.inverse() * active_.graph.nodes().at(revisit.nearest).inverse() *
-                    active_.graph.nodes().at(revisit.keyframe) * recent->from_to.inverse();
-  between.information = inverse(last_revisit_->covariance);
-  revisit.covariance = inverse(chained(chained(*earlier, between), *recent).information);
-  note_revisit(revisit);
-  return !is_worthwhile(revisit.covariance, usual_information_);
+/// The keyframes that no answer has named, each with the nearest one of an earlier visit; the newest last.
+std::vector<Revisit> Mapper::new_revisits() const {
+  const KeyframeArchive& archive = tracker_.archive();
+  std::vector<Revisit> revisits;
+  for (const auto& [id, visit_utime] : unnamed_) {
+    const ArchivedKeyframe* k = archive.find(id);
+    if (!k || !active_.graph.contains(id)) continue;
+    const std::vector<ArchivedKeyframe> earlier =
+        nearest_to(k->map_from_body.translation(), static_cast<double>(k->reach), archive.keyframes(),
+                   [&, k, utime = visit_utime](const ArchivedKeyframe& other) {
+                     return other.id < k->id && other.utime < utime;
+                   });
+    if (earlier.empty()) continue;
+    const std::uint32_t nearest = earlier.front().id;
+    revisits.push_back({id, archive.is_fixed(nearest) ? kOriginNode : nearest, nearest});
+  }
+  return revisits;
 }
 
-void Mapper::note_revisit(const Revisit& revisit) {
-  last_revisit_ = revisit;
-  revisits_[revisit.keyframe] = revisit;
+void Mapper::note_revisits(const std::vector<Revisit>& revisits) {
+  for (const Revisit& revisit : revisits) {
+    revisits_[revisit.keyframe] = revisit;
+    unnamed_.erase(revisit.keyframe);
+  }
 }
 
 void Mapper::take_closure(const ClosureAnswer& answer) {
@@ -90,12 +88,8 @@ void Mapper::take_closure(const ClosureAnswer& answer) {
   if (answer.serial != serial_ || !active_.graph.contains(answer.nearest) ||
       !active_.graph.contains(answer.keyframe))
     return;
-  const std::uint32_t before_keyframe = std::exchange(pending_keyframe_, answer.nearest_keyframe);
   if (answer.outcome == ClosureOutcome::kPending) pending_ = answer.closure;
-  if (answer.outcome == ClosureOutcome::kKnown || answer.outcome == ClosureOutcome::kAccepted) {
-    if (before) note_revisit({before->to, before->from, before_keyframe, answer.covariance});
-    note_revisit({answer.keyframe, answer.nearest, answer.nearest_keyframe, answer.covariance});
-  }
+  note_revisits(answer.revisits);
   if (answer.outcome != ClosureOutcome::kAccepted) return;
   if (before && active_.graph.contains(before->from) && active_.graph.contains(before->to))
     active_.graph.connect(*before);

@@ -55,7 +55,7 @@ void Mapper::enter(std::size_t other) {
 void Mapper::forget_revisits() {
   ++serial_;  // answers to earlier requests are ignored: they concern another submap
   pending_.reset();
-  last_revisit_.reset();
+  unnamed_.clear();
   revisits_.clear();
   joins_.begin();
 }
@@ -113,8 +113,7 @@ void Mapper::take_join(const JoinAnswer& answer) {
   }
   active_.graph.connect(closure);
   forget_revisits();
-  note_revisit(
-      {answer.closure.keyframe, closure.from, answer.closure.nearest_keyframe, answer.closure.covariance});
+  note_revisits(answer.closure.revisits);
   bend(answer.closure, own_from_fixed);
   told.accepted = true;
   told.reason.insert(0, "submaps joined: ");

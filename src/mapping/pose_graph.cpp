@@ -367,27 +367,6 @@ std::vector<RelativePose> PoseGraph::relative(const std::vector<Pair>& pairs) co
   return result;
 }
 
-std::optional<Constraint> PoseGraph::way(std::uint32_t from, std::uint32_t to, int most) const {
-  Constraint none;
-  none.from = none.to = from;
-  none.information = kFixed * Matrix6::Identity();
-  std::map<std::uint32_t, Constraint> ways{{from, none}};
-  std::vector<std::uint32_t> border{from};
-  for (int i = 0; i < most && !ways.count(to) && !border.empty(); ++i) {
-    std::vector<std::uint32_t> next;
-    for (const std::uint32_t at : border) {
-      for (const Constraint& c : constraints_) {
-        if (!touches(c, at) || c.loop_closure) continue;
-        const Constraint onwards = c.from == at ? c : reversed(c);
-        if (ways.emplace(onwards.to, chained(ways.at(at), onwards)).second) next.push_back(onwards.to);
-      }
-    }
-    border = std::move(next);
-  }
-  const auto found = ways.find(to);
-  return found == ways.end() ? std::nullopt : std::optional<Constraint>(found->second);
-}
-
 std::vector<PoseGraph> PoseGraph::parts() const {
   std::map<std::uint32_t, std::vector<std::uint32_t>> neighbours;
   for (const Constraint& c : constraints_) {

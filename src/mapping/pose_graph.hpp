@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <vector>
 
 #include "geometry/linear.hpp"
@@ -75,9 +74,6 @@ class PoseGraph {
   Matrix6 covariance(std::uint32_t from, std::uint32_t to) const {
     return relative({{from, to}}).front().covariance;
   }
-  /// A path of at most `most` odometry constraints from one node to another, chained: an upper bound of the
-  /// graph's covariance that needs no solution of the graph. Nothing where there is no such path.
-  std::optional<Constraint> way(std::uint32_t from, std::uint32_t to, int most) const;
   /// Welsch's weight of a constraint at scale kLoopScale (0 to 1); 1 for odometry.
   double weight(const Constraint& constraint) const;
 

@@ -86,7 +86,7 @@ JoinAnswer join_submaps(const JoinRequest& request, PlaceFinder& finder, const T
   graph.optimise();
   answer.closure.map_from_node = graph.nodes();
   const std::vector<RelativePose> after = graph.relative({{found.from, found.to}, {kOriginNode, found.to}});
-  answer.closure.covariance = after[0].covariance;
+  answer.closure.revisits = {{found.to, found.from, answer.closure.nearest_keyframe, after[0].covariance}};
   answer.closure.drift = after[1].covariance;
   return answer;
 }

@@ -64,6 +64,7 @@ ClosureRequest two_visits(const Pose& off, double metres, double radians) {
   request.keyframe = request.recent.back();
   request.recent.pop_back();
   request.nearest = request.nearest_keyframe = 6;
+  request.revisits = {{15, 5, 5}, {16, 6, 6}};
   request.own_from_nearest = first_visit(6);
   request.voxel = 0.15;
   request.usual.sigma = 0.03;
@@ -96,7 +97,8 @@ TEST_CASE("two closures that agree close a loop to centimetres") {
   REQUIRE(accepted.outcome == ClosureOutcome::kAccepted);
   for (std::uint32_t i = 1; i < 7; ++i)
     CHECK(near(accepted.map_from_node.at(10 + i), second_visit(i), 0.03, 0.006));
-  CHECK(accepted.covariance.trace() < 0.01 * 0.3 * 0.3);
+  REQUIRE(accepted.revisits.size() == 2);
+  for (const Revisit& revisit : accepted.revisits) CHECK(revisit.covariance.trace() < 0.01 * 0.3 * 0.3);
   CHECK(accepted.drift.trace() < 0.01 * 0.3 * 0.3);
 
   request.pending->from_to.translation().x() += 0.2;
@@ -119,7 +121,10 @@ TEST_CASE("a closure is refused beyond the error of the odometry, and where the 
 TEST_CASE("a closure that would add no information is not aligned") {
   ClosureRequest request = two_visits(Pose::Identity(), 0.01, 0.001);
   request.usual_information = inverse(covariance(0.02, 0.004));
-  CHECK(close_loop(request, {}).outcome == ClosureOutcome::kKnown);
+  const ClosureAnswer known = close_loop(request, {});
+  CHECK(known.outcome == ClosureOutcome::kKnown);
+  REQUIRE(known.revisits.size() == 2);
+  CHECK((known.revisits[0].covariance - request.graph.covariance(5, 15)).norm() < 1e-9);
   // Along a corridor a closure has no information, so that a large variance along it does not make the
   // closure worthwhile.
   Matrix6 corridor = inverse(covariance(0.02, 0.004));

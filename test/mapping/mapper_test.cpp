@@ -101,7 +101,7 @@ TEST_CASE("repeated laps keep the map consistent, and the variance below 4 times
   double once = 0, worst = 0;
   std::size_t first_round = 0;
   TrackedScan tracked;
-  for (int i = 0; i < 900; ++i) {
+  for (int i = 0; i < 1600; ++i) {
     tracked = mapper.track(seen(i));
     worst = std::max(
         worst,
@@ -126,6 +126,8 @@ TEST_CASE("repeated laps keep the map consistent, and the variance below 4 times
   const SavedMap saved = mapper.save();
   expect_same(mapper.graph(), saved.keyframes);
   CHECK(saved.keyframes.size() - since(saved, 75) == first_round);  // the keyframes of the first lap stay
+  // Each minute brings new keyframes of all the ground; those of the last minute may be undecided.
+  CHECK(saved.keyframes.size() < 2.5 * static_cast<double>(first_round));
 }
 
 TEST_CASE("where the surroundings have changed the newer keyframes are kept" *

@@ -230,24 +230,6 @@ TEST_CASE("a covariance is that of the chained constraints, and an equal loop cl
   CHECK(graph.covariance(0, 77).diagonal().minCoeff() > 1e6);
 }
 
-TEST_CASE("a path through the graph chains its constraints, and has at most the allowed length") {
-  Random random(8);
-  const std::vector<Pose> truth = ring(10);
-  PoseGraph graph = chain(truth, random);
-  Constraint closure = measured(0, 9, truth);
-  closure.loop_closure = true;
-  graph.connect(closure);
-  for (const auto& [from, to] : {std::pair(2u, 6u), std::pair(6u, 2u)}) {
-    const std::optional<Constraint> way = graph.way(from, to, 4);
-    REQUIRE(way);
-    CHECK(near(way->from_to, truth[from].inverse() * truth[to], 1e-9, 1e-9));
-    CHECK(inverse(way->information).trace() > 0.999 * graph.covariance(from, to).trace());
-  }
-  CHECK_FALSE(graph.way(2, 6, 3));
-  CHECK_FALSE(graph.way(0, 9, 4));
-  CHECK(inverse(graph.way(3, 3, 4)->information).trace() < 1e-9);
-}
-
 TEST_CASE("removing a node keeps the constraints measured through it, and drops its loop closures") {
   Random random(5);
   std::vector<Pose> truth = ring(12);
