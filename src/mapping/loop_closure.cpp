@@ -12,9 +12,6 @@
 namespace scanlock {
 namespace {
 
-// Keyframes from which one side of a closure is made: a cap on its cost.
-constexpr std::size_t kMostAround = 20;
-
 // Information of a velocity of 0: archived points are deskewed, as if seen at one instant.
 constexpr double kStill = 1e8;
 // Information added so that directions which no surface constrains stay invertible.
@@ -65,18 +62,18 @@ std::vector<Revisit> with_covariances(std::vector<Revisit> revisits, const PoseG
 
 std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position, double reach,
                                          const std::vector<ArchivedKeyframe>& keyframes,
-                                         const std::function<bool(const ArchivedKeyframe&)>& is_wanted) {
-  const auto distance = [&](const ArchivedKeyframe& k) {
-    return (k.map_from_body.translation() - position).norm();
-  };
-  std::vector<ArchivedKeyframe> near;
-  for (const ArchivedKeyframe& k : keyframes)
-    if (distance(k) <= reach && is_wanted(k)) near.push_back(k);
-  std::stable_sort(near.begin(), near.end(), [&](const ArchivedKeyframe& a, const ArchivedKeyframe& b) {
-    return distance(a) < distance(b);
-  });
-  near.resize(std::min(near.size(), kMostAround));
-  return near;
+                                         const std::function<bool(const ArchivedKeyframe&)>& is_wanted,
+                                         std::size_t most) {
+  std::vector<std::pair<double, const ArchivedKeyframe*>> near;
+  for (const ArchivedKeyframe& k : keyframes) {
+    const double distance = (k.map_from_body.translation() - position).norm();
+    if (distance <= reach && is_wanted(k)) near.emplace_back(distance, &k);
+  }
+  std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  near.resize(std::min(near.size(), most));
+  std::vector<ArchivedKeyframe> result;
+  for (const auto& [distance, k] : near) result.push_back(*k);
+  return result;
 }
 
 std::optional<FoundClosure> find_closure(const ClosureRequest& request, const Pose& expected,

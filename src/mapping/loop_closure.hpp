@@ -18,11 +18,14 @@ namespace scanlock {
 /// Node of the map's frame in the graph; the ids of keyframes are greater.
 inline constexpr std::uint32_t kOriginNode = 0;
 
-/// The wanted keyframes within `reach` metres of a position, the nearest first; at most 20, from which one
-/// side of a closure is made.
+/// Keyframes from which one side of a closure is made: a cap on its cost.
+inline constexpr std::size_t kMostAround = 20;
+
+/// The wanted keyframes within `reach` metres of a position, the nearest first.
 std::vector<ArchivedKeyframe> nearest_to(const Eigen::Vector3d& position, double reach,
                                          const std::vector<ArchivedKeyframe>& keyframes,
-                                         const std::function<bool(const ArchivedKeyframe&)>& is_wanted);
+                                         const std::function<bool(const ArchivedKeyframe&)>& is_wanted,
+                                         std::size_t most = kMostAround);
 
 /// A keyframe, and the nearest keyframe of an earlier visit.
 struct Revisit {

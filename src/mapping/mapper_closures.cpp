@@ -63,11 +63,11 @@ std::vector<Revisit> Mapper::new_revisits() const {
   for (const auto& [id, visit_utime] : unnamed_) {
     const ArchivedKeyframe* k = archive.find(id);
     if (!k || !active_.graph.contains(id)) continue;
-    const std::vector<ArchivedKeyframe> earlier =
-        nearest_to(k->map_from_body.translation(), static_cast<double>(k->reach), archive.keyframes(),
-                   [&, k, utime = visit_utime](const ArchivedKeyframe& other) {
-                     return other.id < k->id && other.utime < utime;
-                   });
+    const auto is_earlier = [&, k, utime = visit_utime](const ArchivedKeyframe& other) {
+      return other.id < k->id && other.utime < utime;
+    };
+    const std::vector<ArchivedKeyframe> earlier = nearest_to(
+        k->map_from_body.translation(), static_cast<double>(k->reach), archive.keyframes(), is_earlier, 1);
     if (earlier.empty()) continue;
     const std::uint32_t nearest = earlier.front().id;
     revisits.push_back({id, archive.is_fixed(nearest) ? kOriginNode : nearest, nearest});
