@@ -33,7 +33,7 @@ void Mapper::follow_archive() {
     if (k.id >= known_) connect_odometry(k);
   }
   known_ = keyframes.back().id + 1;
-  unnamed_[keyframes.back().id] = tracker_.local_map_utime();
+  if (tracker_.on_known_ground()) unnamed_[keyframes.back().id] = tracker_.local_map_utime();
   if (unnamed_.size() > 2 * kTrail) unnamed_.erase(unnamed_.begin());
   drop_evicted();
   drop_redundant();
