@@ -49,13 +49,14 @@ Attempt align(const ClosureRequest& request, const std::vector<ArchivedKeyframe>
   return odometer.look_far(prepared(request), at_rest(expected, covariance));
 }
 
-std::vector<Revisit> with_covariances(std::vector<Revisit> revisits, const PoseGraph& graph) {
-  if (revisits.empty()) return revisits;
+/// Sets the covariances of the revisits. Returns that of the keyframe's pose in the map's frame.
+Matrix6 measure(const PoseGraph& graph, std::uint32_t keyframe, std::vector<Revisit>* revisits) {
   std::vector<PoseGraph::Pair> pairs;
-  for (const Revisit& revisit : revisits) pairs.emplace_back(revisit.nearest, revisit.keyframe);
+  for (const Revisit& revisit : *revisits) pairs.emplace_back(revisit.nearest, revisit.keyframe);
+  pairs.emplace_back(kOriginNode, keyframe);
   const std::vector<RelativePose> known = graph.relative(pairs);
-  for (std::size_t i = 0; i < revisits.size(); ++i) revisits[i].covariance = known[i].covariance;
-  return revisits;
+  for (std::size_t i = 0; i < revisits->size(); ++i) (*revisits)[i].covariance = known[i].covariance;
+  return known.back().covariance;
 }
 
 }  // namespace
@@ -153,7 +154,8 @@ ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& con
   const Matrix6& covariance = known.front().covariance;
   if (!before && !is_worthwhile(covariance, request.usual_information)) {
     answer.outcome = ClosureOutcome::kKnown;
-    answer.revisits = with_covariances(request.revisits, request.graph);
+    answer.revisits = request.revisits;
+    measure(request.graph, request.keyframe.id, &answer.revisits);
     return answer;
   }
   const std::optional<FoundClosure> found =
@@ -168,8 +170,8 @@ ClosureAnswer close_loop(const ClosureRequest& request, const TrackerConfig& con
   graph.connect(closure);
   graph.optimise();
   answer.map_from_node = graph.nodes();
-  answer.revisits = with_covariances(request.revisits, graph);
-  answer.drift = graph.covariance(kOriginNode, ends.second);
+  answer.revisits = request.revisits;
+  answer.drift = measure(graph, request.keyframe.id, &answer.revisits);
   return answer;
 }
 

@@ -16,11 +16,11 @@ std::optional<ClosureRequest> Mapper::closure_request() {
   const ArchivedKeyframe& newest = keyframes.back();
   if (considered_ == newest.id || !active_.graph.contains(newest.id)) return std::nullopt;
   considered_ = newest.id;
-  ClosureRequest request = request_around(newest);
-  if (request.earlier.empty() || request.recent.empty()) return std::nullopt;
   // Keyframes within a reach see the same surfaces: their closures share errors, and a second one adds
   // little.
   if (!pending_ && newest.id < asked_ + kTrail) return std::nullopt;
+  ClosureRequest request = request_around(newest);
+  if (request.earlier.empty() || request.recent.empty()) return std::nullopt;
   request.revisits = new_revisits();
   if (request.revisits.empty() || request.revisits.back().keyframe != newest.id) return std::nullopt;
   asked_ = newest.id;
